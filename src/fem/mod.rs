@@ -1,0 +1,68 @@
+//! Linear elasticity: a mesh and a model in, displacement, stress, energy and reactions out.
+//!
+//! Small strains, isotropic materials, four-node tetrahedra. Tensors are ordered XX YY ZZ XY YZ XZ; shear strains in
+//! this order are the tensor's own components (not the engineering shear), stresses likewise.
+
+pub mod options;
+
+use crate::mesh::{GroupId, TetMesh};
+use glam::DVec3;
+use options::SolverOptions;
+
+/// A symmetric tensor, XX YY ZZ XY YZ XZ.
+pub type SymTensor = [f64; 6];
+
+/// An isotropic linear-elastic material.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Material {
+    /// Young's modulus, force per area.
+    pub youngs_modulus: f64,
+    /// Poisson's ratio, in (-1, 1/2).
+    pub poissons_ratio: f64,
+    /// Mass per volume; needed for gravity only.
+    pub density: f64,
+}
+
+/// Prescribed displacement on a group of boundary faces.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Support {
+    /// Name in the scenario.
+    pub name: String,
+    /// Where.
+    pub group: GroupId,
+    /// Prescribed displacement in x, y, z; `None` where free.
+    pub displacement: [Option<f64>; 3],
+}
+
+/// A load.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Load {
+    /// Name in the scenario.
+    pub name: String,
+    /// What acts where.
+    pub kind: LoadKind,
+}
+
+/// What acts where.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LoadKind {
+    /// Force per area on a group.
+    Traction(GroupId, DVec3),
+    /// Force per area against the outward normal of a group.
+    Pressure(GroupId, f64),
+    /// Total force, spread evenly over the area of a group.
+    Force(GroupId, DVec3),
+    /// Acceleration times density on all cells.
+    Gravity(DVec3),
+}
+
+/// What is solved, in terms of regions and groups, so that it holds on every refinement of the mesh it was made for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Model {
+    /// One material a region.
+    pub materials: Vec<Material>,
+    /// Supports.
+    pub supports: Vec<Support>,
+    /// Loads.
+    pub loads: Vec<Load>,
+}

@@ -1,0 +1,32 @@
+//! Choices of the solvers, plain data.
+
+use serde::{Deserialize, Serialize};
+
+/// How the linear system is solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// Direct while its memory forecast stays below [`SolverOptions::direct_memory_limit`], else conjugate gradients.
+    Auto,
+    /// Sparse Cholesky with a nested-dissection ordering.
+    Direct,
+    /// Conjugate gradients, preconditioned by the inverse of the 3x3 diagonal blocks.
+    Cg,
+}
+
+/// Parameters of [`super::solve`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SolverOptions {
+    /// The method.
+    pub method: Method,
+    /// Bound on the true residual |b - K u| / |b|.
+    pub tolerance: f64,
+    /// Bytes that the Cholesky factor may take under [`Method::Auto`].
+    pub direct_memory_limit: u64,
+}
+
+impl Default for SolverOptions {
+    fn default() -> Self {
+        Self { method: Method::Auto, tolerance: 1e-8, direct_memory_limit: 2 << 30 }
+    }
+}

@@ -1,0 +1,124 @@
+//! What can be wrong with a mesh, said with the ids of the victim.
+
+use glam::DVec3;
+use std::path::PathBuf;
+
+/// The entity an error is about: a cell with its vertices (indices from 0).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Victim {
+    /// Cell index.
+    pub cell: usize,
+    /// Its vertices.
+    pub vertices: [u32; 4],
+    /// Its centroid.
+    pub centroid: DVec3,
+}
+
+impl std::fmt::Display for Victim {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [a, b, c, d] = self.vertices;
+        let p = self.centroid;
+        write!(f, "tet {} ({a}, {b}, {c}, {d}) near ({:.4}, {:.4}, {:.4})", self.cell, p.x, p.y, p.z)
+    }
+}
+
+/// Why a mesh cannot be used.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum MeshError {
+    /// The file cannot be opened or read.
+    #[error("cannot read mesh {path}: {source}", path = path.display())]
+    #[diagnostic(help("{help}"))]
+    Unreadable {
+        /// The file asked for.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+        /// Where it was looked for, and what to do.
+        help: String,
+    },
+    /// The file's text is not what its format asks for.
+    #[error("{path}:{line}: {message}", path = path.display())]
+    #[diagnostic(help("{help}"))]
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// Line number from 1.
+        line: usize,
+        /// What was expected and what was found.
+        message: String,
+        /// What to do.
+        help: String,
+    },
+    /// The format is not known.
+    #[error("{path}: not a mesh this program reads: {message}", path = path.display())]
+    #[diagnostic(help("read: GiD ASCII (.msh), Gmsh MSH 2.2 and 4.1 ASCII (.msh); Gmsh or meshio convert others"))]
+    UnknownFormat {
+        /// The file.
+        path: PathBuf,
+        /// What was found.
+        message: String,
+    },
+    /// There is nothing to compute on.
+    #[error("the mesh has no tetrahedra")]
+    #[diagnostic(help("a surface mesh is not enough: mesh the volume (Gmsh: -3) and save all elements"))]
+    NoCells,
+    /// A coordinate is NaN or infinite.
+    #[error("vertex {vertex} is at ({}, {}, {}), which is not a finite position", position.x, position.y, position.z)]
+    NotFinite {
+        /// Vertex index.
+        vertex: usize,
+        /// Its position.
+        position: DVec3,
+    },
+    /// A cell names a vertex that does not exist.
+    #[error("tet {cell} ({vertices:?}) uses vertex {vertex}, but there are only {count} vertices")]
+    VertexOutOfRange {
+        /// Cell index.
+        cell: usize,
+        /// Its vertices.
+        vertices: [u32; 4],
+        /// The vertex that does not exist.
+        vertex: u32,
+        /// How many vertices there are.
+        count: usize,
+    },
+    /// A cell uses a vertex twice.
+    #[error("{0} repeats a vertex")]
+    RepeatedVertex(Victim),
+    /// Cells without positive volume.
+    #[error("{worst}: volume {volume:.3e} is not positive ({count} such cells)")]
+    #[diagnostic(help("the worst cell is named; repair the mesh (Gmsh: Mesh.Optimize) or its node order"))]
+    NotPositive {
+        /// The cell with the smallest volume.
+        worst: Victim,
+        /// Its volume.
+        volume: f64,
+        /// How many cells are not positive.
+        count: usize,
+    },
+    /// More than two cells at a face.
+    #[error("face {vertices:?} is shared by {count} cells: {cells:?}")]
+    #[diagnostic(help("each face may have one or two cells; look for duplicated or overlapping cells"))]
+    OvercrowdedFace {
+        /// Sorted vertices of the face.
+        vertices: [u32; 3],
+        /// How many cells share it.
+        count: usize,
+        /// Their indices.
+        cells: Vec<usize>,
+    },
+    /// The listed boundary faces are not the boundary of the cells.
+    #[error("boundary face {vertices:?} {problem}")]
+    Boundary {
+        /// Its vertices.
+        vertices: [u32; 3],
+        /// What is wrong with it.
+        problem: &'static str,
+    },
+    /// A generator was asked for something impossible.
+    #[error("{0}")]
+    Generator(String),
+    /// Parts that do not fit together; a programming error of the caller.
+    #[error("inconsistent mesh parts: {0}")]
+    Inconsistent(String),
+}

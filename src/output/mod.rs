@@ -1,0 +1,1 @@
+//! What people and other programs read: VTK files, reports, tables, plots.
