@@ -199,7 +199,9 @@ impl TetMesh {
         let mut parts = self.parts;
         if selected.len() != parts.faces.len() {
             let (got, want) = (selected.len(), parts.faces.len());
-            return Err(MeshError::Inconsistent(format!("group {name:?} selects among {got} faces, the mesh has {want}")));
+            return Err(MeshError::Inconsistent(format!(
+                "group {name:?} selects among {got} faces, the mesh has {want}"
+            )));
         }
         let group = GroupId(parts.groups.len() as u32);
         parts.groups.push(name.to_owned());

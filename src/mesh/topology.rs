@@ -163,11 +163,9 @@ pub(super) fn check_volumes(points: &[DVec3], tets: &[[u32; 4]]) -> Result<(), M
     let worst = bad.iter().copied().min_by(|&a, &b| volume(a).total_cmp(&volume(b)));
     match worst {
         None => Ok(()),
-        Some(cell) => Err(MeshError::NotPositive {
-            worst: victim(points, tets, cell),
-            volume: volume(cell),
-            count: bad.len(),
-        }),
+        Some(cell) => {
+            Err(MeshError::NotPositive { worst: victim(points, tets, cell), volume: volume(cell), count: bad.len() })
+        }
     }
 }
 
@@ -183,7 +181,10 @@ pub(super) fn check_boundary(tets: &[[u32; 4]], faces: &[Face]) -> Result<(), Me
         }
         let Some(face) = listed.next_if(|f| sorted3(f.vertices) <= key) else {
             if same.len() == 1 {
-                return Err(MeshError::Boundary { vertices: key, problem: "is missing from the list of boundary faces" });
+                return Err(MeshError::Boundary {
+                    vertices: key,
+                    problem: "is missing from the list of boundary faces",
+                });
             }
             continue;
         };
@@ -200,7 +201,9 @@ pub(super) fn check_boundary(tets: &[[u32; 4]], faces: &[Face]) -> Result<(), Me
         }
     }
     match listed.next() {
-        Some(face) => Err(MeshError::Boundary { vertices: face.vertices, problem: "belongs to no cell, or is listed twice" }),
+        Some(face) => {
+            Err(MeshError::Boundary { vertices: face.vertices, problem: "belongs to no cell, or is listed twice" })
+        }
         None => Ok(()),
     }
 }

@@ -19,8 +19,7 @@ pub(super) fn refine(mesh: &TetMesh, selected: &[bool]) -> Result<Refined, MeshE
     points.extend(edges.iter().map(|e| 0.5 * (points[e[0] as usize] + points[e[1] as usize])));
 
     let eightfold = |count: usize| Vec::with_capacity(8 * count);
-    let (mut tets, mut regions, mut levels) =
-        (eightfold(mesh.tets().len()), Vec::<RegionId>::new(), Vec::<u8>::new());
+    let (mut tets, mut regions, mut levels) = (eightfold(mesh.tets().len()), Vec::<RegionId>::new(), Vec::<u8>::new());
     for (t, &tet) in mesh.tets().iter().enumerate() {
         tets.extend(split_cell(tet, &midpoints, &points));
         regions.extend([mesh.regions()[t]; 8]);
@@ -60,11 +59,7 @@ fn split_cell([a, b, c, d]: [u32; 4], mid: &Midpoints, points: &[DVec3]) -> [[u3
     let [ab, ac, ad] = [mid.of(a, b), mid.of(a, c), mid.of(a, d)];
     let [bc, bd, cd] = [mid.of(b, c), mid.of(b, d), mid.of(c, d)];
     // Each diagonal with the ring of the other four midpoints, ordered so that (p, q, r_i, r_i+1) is positive.
-    let diagonals = [
-        (ab, cd, [ac, ad, bd, bc]),
-        (ac, bd, [ab, bc, cd, ad]),
-        (ad, bc, [ab, ac, cd, bd]),
-    ];
+    let diagonals = [(ab, cd, [ac, ad, bd, bc]), (ac, bd, [ab, bc, cd, ad]), (ad, bc, [ab, ac, cd, bd])];
     let squared = |p: u32, q: u32| (points[p as usize] - points[q as usize]).length_squared();
     let mut best = diagonals[0];
     for candidate in &diagonals[1..] {
@@ -74,16 +69,7 @@ fn split_cell([a, b, c, d]: [u32; 4], mid: &Midpoints, points: &[DVec3]) -> [[u3
     }
     let (p, q, r) = best;
     let around = |i: usize| [p, q, r[i], r[(i + 1) % 4]];
-    [
-        [a, ab, ac, ad],
-        [ab, b, bc, bd],
-        [ac, bc, c, cd],
-        [ad, bd, cd, d],
-        around(0),
-        around(1),
-        around(2),
-        around(3),
-    ]
+    [[a, ab, ac, ad], [ab, b, bc, bd], [ac, bc, c, cd], [ad, bd, cd, d], around(0), around(1), around(2), around(3)]
 }
 
 fn split_face(face: &Face, mid: &Midpoints) -> [Face; 4] {
