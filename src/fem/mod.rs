@@ -5,9 +5,8 @@
 
 pub mod options;
 
-use crate::mesh::{GroupId, TetMesh};
+use crate::mesh::GroupId;
 use glam::DVec3;
-use options::SolverOptions;
 
 /// A symmetric tensor, XX YY ZZ XY YZ XZ.
 pub type SymTensor = [f64; 6];

@@ -15,8 +15,9 @@ pub(super) fn refine(mesh: &TetMesh, selected: &[bool]) -> Result<Refined, MeshE
     }
     let edges = topology::edges(mesh.tets());
     let midpoints = Midpoints { first: mesh.points().len() as u32, edges: &edges };
-    let mut points = mesh.points().to_vec();
-    points.extend(edges.iter().map(|e| 0.5 * (points[e[0] as usize] + points[e[1] as usize])));
+    let old = mesh.points();
+    let midpoint = |e: &[u32; 2]| 0.5 * (old[e[0] as usize] + old[e[1] as usize]);
+    let points: Vec<DVec3> = old.iter().copied().chain(edges.iter().map(midpoint)).collect();
 
     let eightfold = |count: usize| Vec::with_capacity(8 * count);
     let (mut tets, mut regions, mut levels) = (eightfold(mesh.tets().len()), Vec::<RegionId>::new(), Vec::<u8>::new());
