@@ -62,6 +62,12 @@ pub fn boundary_faces(tets: &[[u32; 4]]) -> Vec<[u32; 3]> {
         .collect()
 }
 
+/// The cell of each boundary face, in the order of [`boundary_faces`] and of [`super::TetMesh::faces`].
+#[must_use]
+pub fn boundary_cells(tets: &[[u32; 4]]) -> Vec<u32> {
+    face_uses(tets).chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1).map(|same| same[0].1).collect()
+}
+
 /// For each cell the neighbour across the face opposite to each vertex; `None` at the boundary.
 #[must_use]
 pub fn face_neighbours(tets: &[[u32; 4]]) -> Vec<[Option<u32>; 4]> {
