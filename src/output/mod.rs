@@ -4,9 +4,11 @@
 //! the same bytes.
 
 pub mod atomic;
+pub mod compare;
 mod error;
 pub mod options;
 pub mod pvd;
+pub mod report;
 pub mod vtk;
 
 pub use error::OutputError;

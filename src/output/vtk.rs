@@ -92,7 +92,9 @@ impl Values<'_> {
             Values::Scalars(v) => Attribute::generic(name, 1).with_data(v.to_vec()),
             Values::Vectors(v) => Attribute::vectors(name).with_data(coordinates(v)),
             Values::Tensors(v) => Attribute::generic(name, 6).with_data(v.concat()),
-            Values::Flags(v) => Attribute::generic(name, 1).with_data(v.iter().map(|&b| u8::from(b)).collect::<Vec<_>>()),
+            Values::Flags(v) => {
+                Attribute::generic(name, 1).with_data(v.iter().map(|&b| u8::from(b)).collect::<Vec<_>>())
+            }
         }
     }
 }
