@@ -9,6 +9,7 @@ mod error;
 pub mod options;
 pub mod pvd;
 pub mod report;
+pub mod table;
 pub mod vtk;
 
 pub use error::OutputError;
