@@ -3,7 +3,27 @@
 //! Small strains, isotropic materials, four-node tetrahedra. Tensors are ordered XX YY ZZ XY YZ XZ; shear strains in
 //! this order are the tensor's own components (not the engineering shear), stresses likewise.
 
+mod assembly;
+mod block_matrix;
+mod check;
+mod constraints;
+mod error;
+mod loads;
+mod material;
+mod numbering;
 pub mod options;
+mod recover;
+mod solve;
+#[cfg(test)]
+mod tests;
+mod tet4;
+
+pub use assembly::{System, assemble};
+pub use constraints::check_constraints;
+pub use error::FemError;
+pub use material::{double_contraction, von_mises};
+pub use recover::{Solution, global_balance, recover};
+pub use solve::{Solved, SolverInfo, solve};
 
 use crate::mesh::GroupId;
 use glam::DVec3;

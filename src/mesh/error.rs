@@ -3,7 +3,8 @@
 use glam::DVec3;
 use std::path::PathBuf;
 
-/// The entity an error is about: a cell with its vertices (indices from 0).
+/// The entity an error is about: a cell with its vertices. Indices from 0; where a file is being read, the ids that the
+/// file gives its elements and nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Victim {
     /// Cell index.
@@ -100,7 +101,7 @@ pub enum MeshError {
     #[error("face {vertices:?} is shared by {count} cells: {cells:?}")]
     #[diagnostic(help("each face may have one or two cells; look for duplicated or overlapping cells"))]
     OvercrowdedFace {
-        /// Sorted vertices of the face.
+        /// Vertices of the face; as [`Victim`], these and the cells are ids where a file is being read.
         vertices: [u32; 3],
         /// How many cells share it.
         count: usize,

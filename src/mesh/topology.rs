@@ -2,6 +2,7 @@
 
 use super::{Crease, Face, MeshError, Victim, quality};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// The three indices in ascending order.
 #[must_use]
@@ -48,7 +49,8 @@ fn face_uses(tets: &[[u32; 4]]) -> Vec<FaceUse> {
             uses.push((sorted3(f), t as u32, i as u8));
         }
     }
-    uses.sort_unstable();
+    // No two uses are equal, so the order does not depend on the number of threads.
+    uses.par_sort_unstable();
     uses
 }
 
@@ -162,10 +164,11 @@ pub(super) fn check_cells(points: &[DVec3], tets: &[[u32; 4]]) -> Result<(), Mes
     Ok(())
 }
 
-/// Checks that every cell has a positive volume; names the worst.
+/// Checks that every cell has a positive volume ([`quality::is_positive`]); names the worst.
 pub(super) fn check_volumes(points: &[DVec3], tets: &[[u32; 4]]) -> Result<(), MeshError> {
-    let volume = |cell: usize| quality::volume(tets[cell].map(|v| points[v as usize]));
-    let bad: Vec<usize> = (0..tets.len()).filter(|&t| volume(t) <= 0.0).collect();
+    let corners = |cell: usize| tets[cell].map(|v| points[v as usize]);
+    let volume = |cell: usize| quality::volume(corners(cell));
+    let bad: Vec<usize> = (0..tets.len()).filter(|&t| !quality::is_positive(corners(t))).collect();
     let worst = bad.iter().copied().min_by(|&a, &b| volume(a).total_cmp(&volume(b)));
     match worst {
         None => Ok(()),

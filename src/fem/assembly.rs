@@ -1,0 +1,126 @@
+//! The linear system: stiffness, nodal forces, and which displacements are prescribed.
+
+use super::block_matrix::{BlockMatrix, CHUNK};
+use super::numbering::Dofs;
+use super::{FemError, Model, check, loads, tet4};
+use crate::mesh::TetMesh;
+use crate::mesh::topology::VertexCells;
+use glam::{DMat3, DVec3};
+use rayon::prelude::*;
+
+/// The linear system `K u = f` of all nodes, with the displacements that are prescribed.
+#[derive(Debug, Clone)]
+pub struct System {
+    /// Stiffness between all nodes, prescribed ones included: reactions and energy need it.
+    pub(super) stiffness: BlockMatrix,
+    /// Force of the loads at each node.
+    pub(super) loads: Vec<DVec3>,
+    pub(super) numbering: Dofs,
+}
+
+impl System {
+    /// Degrees of freedom: three a node.
+    #[must_use]
+    pub fn dofs(&self) -> usize {
+        3 * self.loads.len()
+    }
+
+    /// Unknown degrees of freedom: those that no support prescribes.
+    #[must_use]
+    pub fn free_dofs(&self) -> usize {
+        self.numbering.free()
+    }
+
+    /// Sum of all loads.
+    #[must_use]
+    pub fn total_load(&self) -> DVec3 {
+        self.loads.iter().sum()
+    }
+}
+
+/// Assembles stiffness, loads and supports of a model on a mesh.
+///
+/// It does not ask whether the supports hold the solid: see [`super::check_constraints`], which is needed once only, as
+/// refinement inherits the supports.
+///
+/// # Errors
+/// A material, support or load that makes no sense on this mesh; see [`FemError`].
+pub fn assemble(mesh: &TetMesh, model: &Model) -> Result<System, FemError> {
+    check::check(mesh, model)?;
+    let numbering = Dofs::new(mesh, model)?;
+    Ok(System { stiffness: stiffness(mesh, model), loads: loads::nodal_forces(mesh, model), numbering })
+}
+
+/// The stiffness of all nodes. Each row is gathered by one task from the cells of its node in ascending order, so that
+/// no atomics are needed and the bytes do not depend on the number of threads.
+fn stiffness(mesh: &TetMesh, model: &Model) -> BlockMatrix {
+    let cells = VertexCells::new(mesh.points().len(), mesh.tets());
+    let (starts, columns) = pattern(mesh, &cells);
+    let lame: Vec<[f64; 2]> = model.materials.iter().map(|m| [m.lambda(), m.mu()]).collect();
+    let mut blocks = vec![DMat3::ZERO; columns.len()];
+    let rows = mesh.points().len();
+    let first_rows: Vec<usize> = (0..rows).step_by(CHUNK).collect();
+    let mut chunks = Vec::with_capacity(first_rows.len());
+    let mut rest = blocks.as_mut_slice();
+    for first in first_rows {
+        let last = rows.min(first + CHUNK);
+        let (chunk, tail) = rest.split_at_mut(starts[last] - starts[first]);
+        chunks.push((first..last, chunk));
+        rest = tail;
+    }
+    chunks.into_par_iter().for_each(|(range, mut chunk)| {
+        for i in range {
+            let row = &columns[starts[i]..starts[i + 1]];
+            let (blocks, tail) = chunk.split_at_mut(row.len());
+            gather_row(mesh, &lame, i as u32, cells.at(i as u32), row, blocks);
+            chunk = tail;
+        }
+    });
+    BlockMatrix { starts, columns, blocks }
+}
+
+/// Nodes that share a cell with each node (itself included), ascending, as compressed rows.
+fn pattern(mesh: &TetMesh, cells: &VertexCells) -> (Vec<usize>, Vec<u32>) {
+    let rows = mesh.points().len();
+    let chunks: Vec<(Vec<usize>, Vec<u32>)> = (0..rows.div_ceil(CHUNK))
+        .into_par_iter()
+        .map(|chunk| {
+            let (mut lengths, mut columns, mut row) = (Vec::with_capacity(CHUNK), Vec::new(), Vec::new());
+            for i in chunk * CHUNK..rows.min((chunk + 1) * CHUNK) {
+                row.clear();
+                row.extend(cells.at(i as u32).iter().flat_map(|&t| mesh.tets()[t as usize]));
+                row.sort_unstable();
+                row.dedup();
+                lengths.push(row.len());
+                columns.extend_from_slice(&row);
+            }
+            (lengths, columns)
+        })
+        .collect();
+    let mut starts = Vec::with_capacity(rows + 1);
+    starts.push(0);
+    let mut columns = Vec::with_capacity(chunks.iter().map(|(_, c)| c.len()).sum());
+    for (lengths, chunk) in chunks {
+        for length in lengths {
+            starts.push(starts[starts.len() - 1] + length);
+        }
+        columns.extend_from_slice(&chunk);
+    }
+    (starts, columns)
+}
+
+/// Adds the blocks of node `i` from its cells.
+fn gather_row(mesh: &TetMesh, lame: &[[f64; 2]], i: u32, cells: &[u32], columns: &[u32], blocks: &mut [DMat3]) {
+    for &t in cells {
+        let t = t as usize;
+        let tet = mesh.tets()[t];
+        let (volume, g) = tet4::gradients(mesh.cell_points(t));
+        let [lambda, mu] = lame[mesh.regions()[t].0 as usize].map(|modulus| volume * modulus);
+        // Both nodes belong to this cell, so they are in the lists that were made of the cells.
+        let own = tet.iter().position(|&v| v == i).map_or(DVec3::ZERO, |a| g[a]);
+        for (v, g) in tet.into_iter().zip(g) {
+            let slot = columns.partition_point(|&c| c < v);
+            blocks[slot] += tet4::stiffness_block(lambda, mu, own, g);
+        }
+    }
+}

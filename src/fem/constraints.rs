@@ -1,0 +1,242 @@
+//! Whether the supports hold the solid, and if not, which rigid motion they leave free.
+//!
+//! The kernel of the stiffness is known in advance: each part (cells connected through faces) moves rigidly, and parts
+//! that touch at vertices move alike there. So a part that hangs at an edge of another is held but for the rotation about
+//! that edge. What the supports leave of this kernel is found from a small dense eigenproblem, before any large matrix.
+
+use super::numbering::Dofs;
+use super::{FemError, Model, check};
+use crate::mesh::{TetMesh, topology};
+use glam::DVec3;
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+/// Relative size of an eigenvalue that counts as zero: a lever arm of 1e-6 of the part's size counts as none.
+const ZERO: f64 = 1e-12;
+
+/// Parts that touch each other and are examined together; in larger crowds each part has to be held by its own supports,
+/// since the dense eigenproblem would take minutes.
+const MAX_COUPLED: usize = 64;
+
+/// Parts named in an error.
+const MAX_NAMED: usize = 3;
+
+/// Checks that the supports of a model leave no rigid motion of any part free. Refinement inherits supports, so once on
+/// the input mesh is enough.
+///
+/// # Errors
+/// [`FemError::FreeMotion`] names the motion; others as [`super::assemble`].
+pub fn check_constraints(mesh: &TetMesh, model: &Model) -> Result<(), FemError> {
+    check::check(mesh, model)?;
+    let bodies = Bodies::new(mesh);
+    let rows = bodies.constraint_rows(mesh, &Dofs::new(mesh, model)?);
+    let mut motions = Vec::new();
+    for cluster in bodies.clusters() {
+        let free = free_motions(&cluster, &rows);
+        for (place, &part) in cluster.iter().enumerate() {
+            let own = column_space(free.rows(6 * place, 6).into_owned());
+            if own.ncols() > 0 {
+                motions.push(bodies.sentence(part, &own));
+            }
+        }
+    }
+    let more = motions.len().saturating_sub(MAX_NAMED);
+    motions.truncate(MAX_NAMED);
+    if more > 0 {
+        motions.push(format!("so can {more} more"));
+    }
+    if motions.is_empty() { Ok(()) } else { Err(FemError::FreeMotion { motions }) }
+}
+
+/// The parts as rigid bodies.
+struct Bodies {
+    parts: Vec<Body>,
+    /// The first part of each vertex.
+    part_at: Vec<u32>,
+    /// (vertex, its first part, another part there), sorted.
+    joints: Vec<(u32, u32, u32)>,
+}
+
+/// A part as a rigid body.
+#[derive(Clone)]
+struct Body {
+    cells: usize,
+    lo: DVec3,
+    hi: DVec3,
+}
+
+impl Body {
+    fn centre(&self) -> DVec3 {
+        0.5 * (self.lo + self.hi)
+    }
+
+    fn radius(&self) -> f64 {
+        0.5 * (self.hi - self.lo).length()
+    }
+
+    /// Component `c` at `x` of the six rigid motions: translations, and rotations that move the corners by about one.
+    fn modes(&self, x: DVec3, c: usize) -> [f64; 6] {
+        let arm = (x - self.centre()) / self.radius();
+        std::array::from_fn(|k| if k < 3 { DVec3::AXES[k][c] } else { DVec3::AXES[k - 3].cross(arm)[c] })
+    }
+}
+
+/// A linear condition on rigid motions: six coefficients for one part, and for a joint six for another.
+struct Row {
+    part: u32,
+    coefficients: [f64; 6],
+    other: Option<(u32, [f64; 6])>,
+}
+
+impl Bodies {
+    fn new(mesh: &TetMesh) -> Self {
+        let (part_of, count) = topology::parts(mesh.tets());
+        let mut parts = vec![Body { cells: 0, lo: DVec3::INFINITY, hi: DVec3::NEG_INFINITY }; count];
+        let mut part_at = vec![u32::MAX; mesh.points().len()];
+        let mut joints = Vec::new();
+        for (tet, &part) in mesh.tets().iter().zip(&part_of) {
+            let body = &mut parts[part as usize];
+            body.cells += 1;
+            for &v in tet {
+                let x = mesh.points()[v as usize];
+                (body.lo, body.hi) = (body.lo.min(x), body.hi.max(x));
+                let first = &mut part_at[v as usize];
+                if *first == u32::MAX {
+                    *first = part;
+                } else if *first != part {
+                    joints.push((v, *first, part));
+                }
+            }
+        }
+        joints.sort_unstable();
+        joints.dedup();
+        Self { parts, part_at, joints }
+    }
+
+    /// The conditions of the supports and joints.
+    fn constraint_rows(&self, mesh: &TetMesh, numbering: &Dofs) -> Vec<Row> {
+        let modes = |part: u32, v: u32, c: usize| self.parts[part as usize].modes(mesh.points()[v as usize], c);
+        let supports = numbering.prescribed().iter().map(|p| {
+            let part = self.part_at[p.node as usize];
+            Row { part, coefficients: modes(part, p.node, p.component as usize), other: None }
+        });
+        let joints = self.joints.iter().flat_map(|&(v, a, b)| {
+            (0..3).map(move |c| Row { part: a, coefficients: modes(a, v, c), other: Some((b, modes(b, v, c))) })
+        });
+        supports.chain(joints).collect()
+    }
+
+    /// Sets of parts connected by joints, ascending.
+    fn clusters(&self) -> Vec<Vec<u32>> {
+        let mut root: Vec<u32> = (0..self.parts.len() as u32).collect();
+        let find = |root: &[u32], mut p: u32| {
+            while root[p as usize] != p {
+                p = root[p as usize];
+            }
+            p
+        };
+        for &(_, a, b) in &self.joints {
+            let (a, b) = (find(&root, a), find(&root, b));
+            root[a.max(b) as usize] = a.min(b);
+        }
+        let mut sorted: Vec<(u32, u32)> = (0..root.len() as u32).map(|p| (find(&root, p), p)).collect();
+        sorted.sort_unstable();
+        let members = |same: &[(u32, u32)]| same.iter().map(|s| s.1).collect::<Vec<_>>();
+        let (small, crowds): (Vec<_>, Vec<_>) =
+            sorted.chunk_by(|a, b| a.0 == b.0).map(members).partition(|cluster| cluster.len() <= MAX_COUPLED);
+        small.into_iter().chain(crowds.into_iter().flatten().map(|part| vec![part])).collect()
+    }
+
+    /// Says how a part can move; `free` holds orthonormal motions in its columns.
+    fn sentence(&self, part: u32, free: &DMatrix<f64>) -> String {
+        let body = &self.parts[part as usize];
+        let (lo, hi) = (point(body.lo), point(body.hi));
+        let (number, count) = (part + 1, self.parts.len());
+        let motion = if free.ncols() == 6 { "move and rotate in every way".to_owned() } else { describe(body, free) };
+        format!("part {number} of {count} ({} cells, box {lo} to {hi}) can still {motion}", body.cells)
+    }
+}
+
+/// The motions of a cluster of parts that satisfy all conditions: orthonormal columns, six rows a part.
+fn free_motions(cluster: &[u32], rows: &[Row]) -> DMatrix<f64> {
+    let size = 6 * cluster.len();
+    let mut gram = DMatrix::<f64>::zeros(size, size);
+    let mut scatter = |place: usize, coefficients: &[f64; 6], other: Option<(usize, &[f64; 6])>| {
+        let mut full = DVector::<f64>::zeros(size);
+        full.rows_mut(6 * place, 6).copy_from_slice(coefficients);
+        if let Some((place, coefficients)) = other {
+            full.rows_mut(6 * place, 6).iter_mut().zip(coefficients).for_each(|(f, c)| *f = -c);
+        }
+        gram.ger(1.0, &full, &full, 1.0);
+    };
+    for row in rows {
+        let place = |part: u32| cluster.binary_search(&part).ok();
+        match (place(row.part), &row.other) {
+            (Some(own), None) => scatter(own, &row.coefficients, None),
+            (Some(own), Some((other, coefficients))) => {
+                // A joint to a part examined elsewhere (see MAX_COUPLED) is no condition here.
+                if let Some(other) = place(*other) {
+                    scatter(own, &row.coefficients, Some((other, coefficients)));
+                }
+            }
+            (None, _) => {}
+        }
+    }
+    let eigen = SymmetricEigen::new(gram);
+    let bound = ZERO * eigen.eigenvalues.amax();
+    let zero: Vec<usize> = (0..size).filter(|&k| eigen.eigenvalues[k] <= bound).collect();
+    eigen.eigenvectors.select_columns(&zero)
+}
+
+/// Orthonormal basis of the span of the columns, without directions that hardly show.
+fn column_space(columns: DMatrix<f64>) -> DMatrix<f64> {
+    let eigen = SymmetricEigen::new(&columns * columns.transpose());
+    let kept: Vec<usize> = (0..columns.nrows()).filter(|&k| eigen.eigenvalues[k] > ZERO).collect();
+    eigen.eigenvectors.select_columns(&kept)
+}
+
+/// Translations and rotations in words.
+fn describe(body: &Body, free: &DMatrix<f64>) -> String {
+    let (shift, spin) = (free.rows(0, 3), free.rows(3, 3));
+    let eigen = SymmetricEigen::new(spin.transpose() * spin);
+    let (mut shifts, mut screws) = (Vec::new(), Vec::new());
+    for k in 0..free.ncols() {
+        let v = eigen.eigenvectors.column(k);
+        let [t, w] = [shift * v, spin * v].map(|m| DVec3::new(m[0], m[1], m[2]));
+        if eigen.eigenvalues[k] > ZERO { screws.push((w, t)) } else { shifts.push(t) }
+    }
+    let mut words: Vec<String> = axis_basis(&shifts).into_iter().map(|t| format!("move along {}", direction(t))).collect();
+    let spins: Vec<DVec3> = screws.iter().map(|(w, _)| w.normalize()).collect();
+    words.extend(axis_basis(&spins).into_iter().map(|w| {
+        // The vectors w_k are orthogonal: the coordinates of w among them give the shift that goes with it.
+        let shift: DVec3 = screws.iter().map(|(wk, tk)| wk.dot(w) / wk.length_squared() * *tk).sum();
+        let shift = shift - shifts.iter().map(|s| s.dot(shift) * *s).sum::<DVec3>();
+        let through = body.centre() + body.radius() * w.cross(shift);
+        let screw = if shift.dot(w).abs() > ZERO.sqrt() { " and along" } else { "" };
+        format!("rotate about{screw} {} through {}", direction(w), point(through))
+    }));
+    words.join(", ")
+}
+
+/// An orthonormal basis of the span of orthonormal vectors, as close to the coordinate axes as can be.
+fn axis_basis(span: &[DVec3]) -> Vec<DVec3> {
+    let mut basis: Vec<DVec3> = Vec::new();
+    while basis.len() < span.len() {
+        let inside = |e: DVec3| span.iter().map(|s| s.dot(e) * *s).sum::<DVec3>();
+        let left = |e: DVec3| inside(e) - basis.iter().map(|b| b.dot(e) * *b).sum::<DVec3>();
+        let [x, y, z] = DVec3::AXES.map(left);
+        let best = [y, z].into_iter().fold(x, |a, b| if b.length() > a.length() + ZERO.sqrt() { b } else { a });
+        basis.push(best.normalize());
+    }
+    basis
+}
+
+fn direction(v: DVec3) -> String {
+    let axis = DVec3::AXES.into_iter().zip(["x", "y", "z"]).find(|(e, _)| v.cross(*e).length() < ZERO.sqrt());
+    axis.map_or_else(|| point(v), |(_, name)| name.to_owned())
+}
+
+/// Four digits; adding zero turns -0 into 0.
+fn point(p: DVec3) -> String {
+    let [x, y, z] = p.to_array().map(|c| (c * 1e4).round() / 1e4 + 0.0);
+    format!("({x}, {y}, {z})")
+}

@@ -1,0 +1,124 @@
+//! Why a model cannot be solved.
+
+use glam::DVec3;
+
+/// Why a model cannot be solved: the first variants blame the model (see [`FemError::is_model`]), the rest the solver.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum FemError {
+    /// A material constant is missing or out of range.
+    #[error("material of region {region:?}: {problem}")]
+    #[diagnostic(help("Young's modulus must be positive, Poisson's ratio in (-1, 1/2), the density not negative"))]
+    Material {
+        /// Name of the region.
+        region: String,
+        /// What is wrong, with the value.
+        problem: String,
+    },
+    /// Gravity acts on a region without mass.
+    #[error("load {load:?} is gravity, but the material of region {region:?} has no density")]
+    #[diagnostic(help("give the material a density, or remove the load"))]
+    NoDensity {
+        /// Name of the load.
+        load: String,
+        /// Name of the region.
+        region: String,
+    },
+    /// A support or load acts on nothing.
+    #[error("{what} {name:?} acts on no boundary face")]
+    #[diagnostic(help("its selector matches nothing on this mesh: check its position and tolerance"))]
+    EmptyGroup {
+        /// "support" or "load".
+        what: &'static str,
+        /// Its name.
+        name: String,
+    },
+    /// A value is NaN or infinite.
+    #[error("{what} {name:?}: {value} is not a finite value")]
+    NotFinite {
+        /// "support" or "load".
+        what: &'static str,
+        /// Its name.
+        name: String,
+        /// The value.
+        value: f64,
+    },
+    /// Two supports prescribe different values of one displacement.
+    #[error(
+        "supports {first:?} and {second:?} prescribe {axis}-displacements {} and {} of vertex {vertex} at ({}, {}, {})",
+        values[0], values[1], position.x, position.y, position.z
+    )]
+    #[diagnostic(help("the two supports share this vertex: give them the same value there, or move them apart"))]
+    ConflictingSupports {
+        /// The support named first in the model.
+        first: String,
+        /// The other support.
+        second: String,
+        /// "x", "y" or "z".
+        axis: &'static str,
+        /// The two values.
+        values: [f64; 2],
+        /// Vertex index.
+        vertex: usize,
+        /// Its position.
+        position: DVec3,
+    },
+    /// The supports leave a rigid motion free.
+    #[error("the supports do not hold the solid: {}", motions.join("; "))]
+    #[diagnostic(help("add or extend a support so that no part can translate or rotate freely"))]
+    FreeMotion {
+        /// One sentence for each part that can move.
+        motions: Vec<String>,
+    },
+    /// The stiffness matrix is not positive definite.
+    #[error("the stiffness matrix is not positive definite ({detail})")]
+    #[diagnostic(help("a part can still move, or cells are nearly flat: check the supports and the mesh quality"))]
+    NotPositiveDefinite {
+        /// Where it showed.
+        detail: String,
+    },
+    /// The residual stays above the tolerance.
+    #[error("{method}: residual {residual:.3e} after {iterations} iterations, asked for {tolerance:.1e}")]
+    #[diagnostic(help("{help}"))]
+    NotConverged {
+        /// Method of solution.
+        method: &'static str,
+        /// Iterations, or steps of refinement.
+        iterations: usize,
+        /// The true residual |b - K u| / |b|.
+        residual: f64,
+        /// The residual asked for.
+        tolerance: f64,
+        /// What to do.
+        help: &'static str,
+    },
+    /// There is not enough memory for the factor.
+    #[error("the Cholesky factor needs {bytes} bytes, which cannot be had")]
+    #[diagnostic(help("use method \"cg\", or \"auto\" with a limit on the memory of the direct method"))]
+    OutOfMemory {
+        /// Bytes asked for.
+        bytes: u64,
+    },
+    /// The ordering or the symbolic factorisation failed.
+    #[error("the direct method cannot order the matrix: {0}")]
+    #[diagnostic(help("use method \"cg\""))]
+    Ordering(String),
+}
+
+impl FemError {
+    /// True if the model is at fault, false if the solver is.
+    #[must_use]
+    pub fn is_model(&self) -> bool {
+        match self {
+            Self::Material { .. }
+            | Self::NoDensity { .. }
+            | Self::EmptyGroup { .. }
+            | Self::NotFinite { .. }
+            | Self::ConflictingSupports { .. }
+            | Self::FreeMotion { .. } => true,
+            Self::NotPositiveDefinite { .. }
+            | Self::NotConverged { .. }
+            | Self::OutOfMemory { .. }
+            | Self::Ordering(_) => false,
+        }
+    }
+}

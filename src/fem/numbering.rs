@@ -1,0 +1,115 @@
+//! The numbering of degrees of freedom: the only place that knows which are unknown and which are prescribed.
+
+use super::{FemError, Model};
+use crate::mesh::TetMesh;
+use glam::DVec3;
+
+/// A prescribed component of a node's displacement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Prescribed {
+    pub node: u32,
+    /// 0, 1, 2 for x, y, z.
+    pub component: u8,
+    pub value: f64,
+    /// Index of the support; the first one where several prescribe the same component.
+    pub support: u32,
+}
+
+/// Which displacement components are unknown and which are prescribed.
+///
+/// Nodes of no cell have neither: they carry no stiffness, and their displacement is zero.
+#[derive(Debug, Clone)]
+pub(super) struct Dofs {
+    /// 1 where a component is unknown, 0 elsewhere.
+    mask: Vec<DVec3>,
+    /// Sorted by node and component.
+    prescribed: Vec<Prescribed>,
+    free: usize,
+}
+
+impl Dofs {
+    /// Numbers the nodes of a mesh under the supports of a model.
+    ///
+    /// # Errors
+    /// [`FemError::ConflictingSupports`].
+    pub fn new(mesh: &TetMesh, model: &Model) -> Result<Self, FemError> {
+        Ok(Self::from_prescribed(mesh, prescribed(mesh, model)?))
+    }
+
+    /// Numbers the nodes when the prescribed components are given, sorted and each once.
+    pub fn from_prescribed(mesh: &TetMesh, prescribed: Vec<Prescribed>) -> Self {
+        let mut mask = vec![DVec3::ZERO; mesh.points().len()];
+        for &v in mesh.tets().iter().flatten() {
+            mask[v as usize] = DVec3::ONE;
+        }
+        for p in &prescribed {
+            mask[p.node as usize][p.component as usize] = 0.0;
+        }
+        let free = mask.iter().map(|m| m.element_sum() as usize).sum();
+        Self { mask, prescribed, free }
+    }
+
+    /// Number of unknowns.
+    pub fn free(&self) -> usize {
+        self.free
+    }
+
+    /// For each node 1 where a component is unknown, 0 elsewhere.
+    pub fn mask(&self) -> &[DVec3] {
+        &self.mask
+    }
+
+    /// Prescribed components, sorted by node and component.
+    pub fn prescribed(&self) -> &[Prescribed] {
+        &self.prescribed
+    }
+
+    /// The displacement that is as prescribed, and zero where unknown.
+    pub fn lifting(&self) -> Vec<DVec3> {
+        let mut u = vec![DVec3::ZERO; self.mask.len()];
+        for p in &self.prescribed {
+            u[p.node as usize][p.component as usize] = p.value;
+        }
+        u
+    }
+
+    /// The unknowns as (node, component), in the order of their numbers.
+    pub fn unknowns(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let component = |m: &DVec3, c: &usize| m[*c] != 0.0;
+        self.mask.iter().enumerate().flat_map(move |(i, m)| (0..3).filter(move |c| component(m, c)).map(move |c| (i, c)))
+    }
+}
+
+/// The prescribed components of all supports, each once, sorted.
+fn prescribed(mesh: &TetMesh, model: &Model) -> Result<Vec<Prescribed>, FemError> {
+    let mut all = Vec::new();
+    for (support, s) in model.supports.iter().enumerate() {
+        let mut nodes: Vec<u32> = mesh.group_faces(s.group).flat_map(|f| f.vertices).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        for (component, value) in s.displacement.into_iter().enumerate() {
+            let Some(value) = value else { continue };
+            let entry = |node| Prescribed { node, component: component as u8, value, support: support as u32 };
+            all.extend(nodes.iter().copied().map(entry));
+        }
+    }
+    all.sort_unstable_by_key(|p| (p.node, p.component, p.support));
+    let same = |a: &Prescribed, b: &Prescribed| (a.node, a.component) == (b.node, b.component);
+    if let Some(pair) = all.windows(2).find(|w| same(&w[0], &w[1]) && w[0].value != w[1].value) {
+        return Err(conflict(mesh, model, pair[0], pair[1]));
+    }
+    all.dedup_by(|b, a| same(a, b));
+    Ok(all)
+}
+
+fn conflict(mesh: &TetMesh, model: &Model, a: Prescribed, b: Prescribed) -> FemError {
+    let name = |p: Prescribed| model.supports[p.support as usize].name.clone();
+    FemError::ConflictingSupports {
+        first: name(a),
+        second: name(b),
+        axis: ["x", "y", "z"][a.component as usize],
+        values: [a.value, b.value],
+        vertex: a.node as usize,
+        position: mesh.points()[a.node as usize],
+    }
+}
