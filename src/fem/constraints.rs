@@ -204,7 +204,8 @@ fn describe(body: &Body, free: &DMatrix<f64>) -> String {
         let [t, w] = [shift * v, spin * v].map(|m| DVec3::new(m[0], m[1], m[2]));
         if eigen.eigenvalues[k] > ZERO { screws.push((w, t)) } else { shifts.push(t) }
     }
-    let mut words: Vec<String> = axis_basis(&shifts).into_iter().map(|t| format!("move along {}", direction(t))).collect();
+    let mut words: Vec<String> =
+        axis_basis(&shifts).into_iter().map(|t| format!("move along {}", direction(t))).collect();
     let spins: Vec<DVec3> = screws.iter().map(|(w, _)| w.normalize()).collect();
     words.extend(axis_basis(&spins).into_iter().map(|w| {
         // The vectors w_k are orthogonal: the coordinates of w among them give the shift that goes with it.

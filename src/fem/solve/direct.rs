@@ -61,7 +61,8 @@ fn order(system: &System, unknowns: &[(u32, u8)]) -> Result<(Vec<usize>, Vec<usi
     let mut nodes: Vec<u32> = unknowns.iter().map(|u| u.0).collect();
     nodes.dedup();
     let mut first_unknown = Vec::with_capacity(nodes.len() + 1);
-    first_unknown.extend(unknowns.iter().enumerate().filter(|(k, u)| *k == 0 || unknowns[k - 1].0 != u.0).map(|(k, _)| k));
+    first_unknown
+        .extend(unknowns.iter().enumerate().filter(|(k, u)| *k == 0 || unknowns[k - 1].0 != u.0).map(|(k, _)| k));
     first_unknown.push(unknowns.len());
     let mut graph = node_graph(system, &nodes)?;
     let order: Vec<usize> =
@@ -178,11 +179,7 @@ fn factorise<'a>(analysis: &'a Analysis, values: &'a mut [f64]) -> Result<LltRef
 }
 
 /// Solves for one right-hand side given at the nodes.
-fn back_substitute(
-    analysis: &Analysis,
-    factor: &LltRef<'_, usize, f64>,
-    rhs: &[DVec3],
-) -> Result<Vec<f64>, FemError> {
+fn back_substitute(analysis: &Analysis, factor: &LltRef<'_, usize, f64>, rhs: &[DVec3]) -> Result<Vec<f64>, FemError> {
     let mut x = analysis.restrict(rhs);
     let request = analysis.symbolic.solve_in_place_scratch::<f64>(1, parallelism());
     let mut memory = MemBuffer::try_new(request)
@@ -194,5 +191,8 @@ fn back_substitute(
 }
 
 fn parallelism() -> Par {
-    match std::env::var("PARX").as_deref() { Ok("0") | Err(_) => Par::Seq, Ok(n) => Par::rayon(n.parse().unwrap()) }
+    match std::env::var("PARX").as_deref() {
+        Ok("0") | Err(_) => Par::Seq,
+        Ok(n) => Par::rayon(n.parse().unwrap()),
+    }
 }

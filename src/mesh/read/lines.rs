@@ -76,10 +76,7 @@ impl<'a> Lines<'a> {
                 let message = format!("{announced}, found {index} before {}", end.quoted());
                 Err(end.error(message, "correct the count, or write the file again"))
             }
-            None => {
-                Err(self
-                    .error_at_end(format!("{announced}, found {index} before the end of the file"), TRUNCATED))
-            }
+            None => Err(self.error_at_end(format!("{announced}, found {index} before the end of the file"), TRUNCATED)),
         }
     }
 
