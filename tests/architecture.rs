@@ -4,6 +4,8 @@
 //! that follows a file's first `#[cfg(test)]`) must be allowed by the table in `ARCHITECTURE.md`. `src/lib.rs`, the
 //! crate's front page, only lists the rooms and is left out.
 
+#![allow(clippy::unwrap_used)] // a test fails by panicking, in its helper functions too
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 

@@ -4,6 +4,7 @@ use glam::DVec3;
 use std::path::{Path, PathBuf};
 use subsolid::mesh::TetMesh;
 use subsolid::output::options::Compression;
+use subsolid::output::plot::{Axis, dihedral_histogram, error_curves, error_histogram};
 use subsolid::output::pvd::write_pvd;
 use subsolid::output::vtk::{Fields, Values, write_vtu};
 use vtkio::model::{Attribute, DataSet, Piece, UnstructuredGridPiece, Vtk};
@@ -163,4 +164,62 @@ fn collections_escape_file_names() {
     write_pvd(&path, &[(0.0, "a&\"b<.vtu".to_owned())]).unwrap();
     let text = std::fs::read_to_string(path).unwrap();
     assert!(text.contains("timestep=\"0.0\" group=\"\" part=\"0\" file=\"a&amp;&quot;b&lt;.vtu\""));
+}
+
+/// Numbers that spread like `low`..`high` on average, without randomness.
+fn spread(n: usize, low: f64, high: f64) -> Vec<f64> {
+    let phase = |i: usize, f: f64| ((i as f64 * f).sin() + 1.0) / 2.0;
+    let mean = |i: usize| (phase(i, 1.7) + phase(i, 0.9) + phase(i, 2.3)) / 3.0;
+    (0..n).map(|i| low + (high - low) * mean(i)).collect()
+}
+
+/// The texts of an SVG picture.
+fn texts(path: &Path) -> String {
+    let svg = std::fs::read_to_string(path).unwrap();
+    svg.split("<text").skip(1).map(|t| t.split(['>', '<']).nth(1).unwrap().trim()).collect::<Vec<_>>().join("|")
+}
+
+#[test]
+fn pictures_have_axes_units_and_legends() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("plots");
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = |name: &str| folder.join(name);
+    let steps = |low: f64, high: f64| -> Vec<(String, Vec<f64>)> {
+        (0..3).map(|i| (format!("step {i}"), spread(3000 << i, low, high))).collect()
+    };
+    dihedral_histogram(&file("dihedral.svg"), &steps(5.0, 70.0)).unwrap();
+    let written = texts(&file("dihedral.svg"));
+    for text in ["step 2: worst", "minimum dihedral angle of a cell, degrees", "share of the cells, %"] {
+        assert!(written.contains(text), "{text} in {written}");
+    }
+
+    let errors: Vec<_> =
+        steps(-4.0, -0.5).into_iter().map(|(l, e)| (l, e.iter().map(|x| 10_f64.powf(*x)).collect())).collect();
+    error_histogram(&file("errors.svg"), &errors).unwrap();
+    assert!(texts(&file("errors.svg")).contains("estimated error of a cell in the energy norm"));
+
+    let curve = |rate: f64, step: f64, n: i32| -> Vec<(f64, f64)> {
+        (0..n).map(|i| 2901.0 * step.powi(i)).map(|x| (x, 0.4 * (x / 2901.0).powf(-rate))).collect()
+    };
+    let runs = vec![("global".to_owned(), curve(0.2, 8.0, 3)), ("adaptive".to_owned(), curve(0.3, 1.8, 6))];
+    error_curves(&file("error_dofs.svg"), Axis::Dofs, &runs).unwrap();
+    let written = texts(&file("error_dofs.svg"));
+    for text in ["global", "adaptive", "slope -1/3", "degrees of freedom", "estimated relative error, %", "10,000"] {
+        assert!(written.contains(text), "{text} in {written}");
+    }
+    let timed: Vec<_> = runs.iter().map(|(l, c)| (l.clone(), c.iter().map(|(x, e)| (x / 1e5, *e)).collect())).collect();
+    error_curves(&file("error_seconds.svg"), Axis::Seconds, &timed[1..]).unwrap();
+    let written = texts(&file("error_seconds.svg"));
+    assert!(written.contains("seconds since the start") && !written.contains("slope"), "{written}");
+}
+
+#[test]
+fn pictures_of_nothing_are_still_pictures() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("empty.svg");
+    error_curves(&path, Axis::Dofs, &[("run".to_owned(), vec![(0.0, f64::NAN)])]).unwrap();
+    error_histogram(&path, &[("step 0".to_owned(), vec![0.0; 5])]).unwrap();
+    dihedral_histogram(&path, &[("step 0".to_owned(), Vec::new())]).unwrap();
+    dihedral_histogram(&path, &[]).unwrap();
+    assert!(std::fs::read_to_string(&path).unwrap().ends_with("</svg>\n"));
 }

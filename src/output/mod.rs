@@ -7,6 +7,7 @@ pub mod atomic;
 pub mod compare;
 mod error;
 pub mod options;
+pub mod plot;
 pub mod pvd;
 pub mod report;
 pub mod table;
