@@ -157,9 +157,8 @@ fn triangle_vertices(
     triangles: &[Triangle],
     vertex_of: &[u32],
 ) -> Result<Vec<Option<[u32; 3]>>, MeshError> {
-    let vertex = |id: u32, t: &Triangle| {
-        nodes.find(id, || format!("triangle {}", t.id), t.line).map(|n| vertex_of[n as usize])
-    };
+    let vertex =
+        |id: u32, t: &Triangle| nodes.find(id, || format!("triangle {}", t.id), t.line).map(|n| vertex_of[n as usize]);
     let corners = |t: &Triangle| {
         let [a, b, c] = t.nodes;
         let vertices = [vertex(a, t)?, vertex(b, t)?, vertex(c, t)?];
