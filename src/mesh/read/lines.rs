@@ -128,7 +128,7 @@ impl<'a> Fields<'a> {
     fn parse<T: FromStr>(&mut self, what: &str, kind: &str) -> Result<T, MeshError> {
         let Some(token) = self.tokens.next() else {
             let message = format!("expected {what} at the end of {}", self.line.quoted());
-            return Err(self.line.error(message, "the line is too short"));
+            return Err(self.line.error(message, "the line is too short, or the file is cut off here"));
         };
         token.parse().map_err(|_| self.unparsable(token, what, kind))
     }
@@ -178,7 +178,7 @@ impl<'a> Fields<'a> {
         for _ in 0..count {
             let _: &str = self.tokens.next().ok_or_else(|| {
                 let message = format!("expected {count} fields of {what} in {}", self.line.quoted());
-                self.line.error(message, "the line is too short")
+                self.line.error(message, "the line is too short, or the file is cut off here")
             })?;
         }
         Ok(())

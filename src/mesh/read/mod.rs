@@ -100,7 +100,12 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<MeshFile, MeshError> {
     // A name in another encoding spoils nothing but the name; binary data is told by the format's first lines.
     let text = String::from_utf8_lossy(bytes);
     let mut lines = Lines::new(path, &text);
-    let Some(first) = lines.next() else {
+    // GiD files may begin with comments.
+    let mut first = lines.next();
+    while first.is_some_and(|line| line.keyword().starts_with('#')) {
+        first = lines.next();
+    }
+    let Some(first) = first else {
         return Err(lines.error_at_end("the file is empty", "export the mesh again"));
     };
     let mut raw = Raw::default();
