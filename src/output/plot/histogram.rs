@@ -43,7 +43,7 @@ pub fn dihedral_histogram(path: &Path, steps: &[(String, Vec<f64>)]) -> Result<(
     };
     let panels = steps.iter().map(|(label, angles)| {
         let [worst, median, _] = summary(angles);
-        let caption = format!("{label}: worst {}, median {}", figures(worst, 3), figures(median, 3));
+        let caption = format!("{label}: worst {}°, median {}°", figures(worst, 3), figures(median, 3));
         Panel { caption, percent: shares(angles, &frame) }
     });
     draw(path, &frame, &panels.collect::<Vec<_>>())
