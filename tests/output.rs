@@ -1,5 +1,8 @@
 //! What is written can be read back: files, names, order, bytes.
 
+// The functions beside the tests are parts of them.
+#![allow(clippy::unwrap_used)]
+
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 use subsolid::mesh::TetMesh;
@@ -121,6 +124,15 @@ fn vtu_files_hold_the_numbers_given_under_every_compression() {
             assert!(values(&piece.data.cell, "region").iter().all(|&r| r == 0.0));
         }
     }
+}
+
+#[test]
+fn a_mesh_without_fields_is_a_file_too() {
+    let path = kept_folder("bare").join("mesh.vtu");
+    write_vtu(&path, &cube(2), &Fields::default(), Compression::Lz4).unwrap();
+    let piece = read(&path);
+    assert!(piece.data.point.is_empty());
+    assert_eq!(values(&piece.data.cell, "refinement_level"), [0.0; 48]);
 }
 
 #[test]

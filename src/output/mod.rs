@@ -8,6 +8,7 @@ pub mod compare;
 mod error;
 pub mod options;
 pub mod plot;
+pub mod progress;
 pub mod pvd;
 pub mod report;
 pub mod table;

@@ -25,3 +25,12 @@ pub fn write_pvd(path: &Path, files: &[(f64, String)]) -> Result<(), OutputError
 fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }
+
+/// Writes a script for ParaView's `pvpython` that shows `results.pvd` of its own folder: deformed by the point field
+/// `displacement`, coloured by the cell field `von_mises`, at the last step.
+///
+/// # Errors
+/// [`OutputError::Write`] names `path`.
+pub fn write_view(path: &Path) -> Result<(), OutputError> {
+    write_atomic(path, |w| w.write_all(include_bytes!("view.py")))
+}

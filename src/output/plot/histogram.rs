@@ -43,7 +43,7 @@ pub fn dihedral_histogram(path: &Path, steps: &[(String, Vec<f64>)]) -> Result<(
     };
     let panels = steps.iter().map(|(label, angles)| {
         let [worst, median, _] = summary(angles);
-        let caption = format!("{label}: worst {}, median {}", figures(worst, 3), figures(median, 3));
+        let caption = format!("{label}: worst {}°, median {}°", figures(worst, 3), figures(median, 3));
         Panel { caption, percent: shares(angles, &frame) }
     });
     draw(path, &frame, &panels.collect::<Vec<_>>())
@@ -59,11 +59,11 @@ pub fn error_histogram(path: &Path, steps: &[(String, Vec<f64>)]) -> Result<(), 
     let range = decades(logarithms.iter().flatten().copied());
     let frame = Frame {
         title: "Error of the cells",
-        x_label: "estimated error of a cell in the energy norm",
-        bins: 5 * (range.end - range.start) as usize,
+        x_label: "estimated error of a cell in the energy norm, square root of energy",
+        bins: 8 * (range.end - range.start) as usize,
         ticks: (range.start as i32..=range.end as i32).map(f64::from).collect(),
         range,
-        number: &|x| format!("1e{x:.0}"),
+        number: &|x| ticks::number(10_f64.powf(x)),
     };
     let panels = steps.iter().zip(&logarithms).map(|((label, errors), logarithms)| {
         let [_, median, worst] = summary(errors);

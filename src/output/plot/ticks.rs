@@ -1,5 +1,6 @@
 //! Where axes carry numbers.
 
+use crate::output::table::count;
 use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 use std::ops::Range;
 
@@ -49,9 +50,9 @@ pub(super) fn logarithmic(low: f64, high: f64) -> Vec<f64> {
     LADDERS.iter().map(on).find(|ticks| ticks.len() >= 4).unwrap_or_else(|| on(&finest))
 }
 
-/// The step of a linear axis from 0 to `high` with at most six steps: 1, 2 or 5 times a power of ten.
+/// The step of a linear axis from 0 to `high` with at most five steps: 1, 2 or 5 times a power of ten.
 pub(super) fn linear_step(high: f64) -> f64 {
-    let least = high / 6.0;
+    let least = high / 5.0;
     let decade = 10_f64.powf(least.log10().floor());
     [1.0, 2.0, 5.0, 10.0].iter().map(|m| tidy(m * decade)).find(|&step| step >= least).unwrap_or(high)
 }
@@ -61,9 +62,24 @@ pub(super) fn tidy(x: f64) -> f64 {
     format!("{x:.6e}").parse().unwrap_or(x)
 }
 
+/// The number as an axis shows it.
+pub(super) fn number(x: f64) -> String {
+    match tidy(x) {
+        x if (1e3..1e7).contains(&x) => count(x as usize),
+        x if (1e-4..1e3).contains(&x) => x.to_string(),
+        x => format!("{x:e}"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_are_plain_unless_they_are_long() {
+        let shown = [10_f64.powf(4.0), 10_f64.powf(-1.0), 0.30000000000000004, 1e-5, 2e9].map(number);
+        assert_eq!(shown, ["10,000", "0.1", "0.3", "1e-5", "2e9"]);
+    }
 
     #[test]
     fn wide_ranges_carry_decades_and_narrow_ones_at_least_a_few_numbers() {
@@ -75,7 +91,7 @@ mod tests {
 
     #[test]
     fn steps_are_round_and_few() {
-        for (high, step) in [(0.61, 0.2), (1.0, 0.2), (6.0, 1.0), (37.0, 10.0), (100.0, 20.0)] {
+        for (high, step) in [(0.61, 0.2), (1.0, 0.2), (6.0, 2.0), (37.0, 10.0), (100.0, 20.0)] {
             assert_eq!(linear_step(high), step, "{high}");
         }
     }
