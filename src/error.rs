@@ -1,9 +1,11 @@
 //! What a command can end with, and its exit code.
 
+use crate::adapt::AdaptError;
+use crate::fem::FemError;
 use crate::mesh::MeshError;
+use crate::output::OutputError;
 use crate::pipeline::ModelError;
 use crate::scenario::ScenarioError;
-use std::path::PathBuf;
 
 /// Why a command failed.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -20,15 +22,18 @@ pub enum Error {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Model(#[from] ModelError),
+    /// The model cannot be solved, or the solver failed.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Fem(#[from] FemError),
+    /// The error estimate cannot be marked.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Adapt(#[from] AdaptError),
     /// A file or folder cannot be written.
-    #[error("cannot write {path}: {source}", path = path.display())]
-    #[diagnostic(help("choose another folder with --output, or make room"))]
-    Write {
-        /// The file or folder.
-        path: PathBuf,
-        /// What the operating system said.
-        source: std::io::Error,
-    },
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Output(#[from] OutputError),
     /// Standard output cannot be written.
     #[error("cannot write to standard output: {0}")]
     Print(std::io::Error),
@@ -52,7 +57,8 @@ impl Error {
             Self::Scenario(_) => 3,
             Self::Mesh(_) => 4,
             Self::Model(_) => 5,
-            Self::Write { .. } | Self::Print(_) => 6,
+            Self::Fem(error) if error.is_model() => 5,
+            Self::Fem(_) | Self::Adapt(_) | Self::Output(_) | Self::Print(_) => 6,
             Self::ToleranceNotReached { .. } => 7,
         }
     }

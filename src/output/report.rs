@@ -198,6 +198,14 @@ pub struct MeshReport {
     pub seconds: f64,
 }
 
+impl MeshReport {
+    /// Describes a mesh that took `seconds` to make.
+    #[must_use]
+    pub fn of(mesh: &TetMesh, seconds: f64) -> Self {
+        Self { mesh: MeshCounts::of(mesh), quality: quality::quality(mesh).into(), seconds }
+    }
+}
+
 impl MeshCounts {
     /// Counts and measures a mesh.
     #[must_use]

@@ -2,30 +2,9 @@
 //! Umlauf 2011, Figure 6.
 
 use super::compare::{EqualError, Ratios};
+use super::options::{Published, PublishedStep};
 use super::report::{PhaseSeconds, Report, StepRecord};
 use comfy_table::{CellAlignment, LineStyle, Table, presets};
-
-/// Figures from a publication, printed beside ours.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Published {
-    /// Where they are from.
-    pub source: String,
-    /// One entry a mesh.
-    pub steps: Vec<PublishedStep>,
-}
-
-/// A published simulation.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PublishedStep {
-    /// The row of ours it is printed beside: `base`, `adaptive 1`, `global 1`, ...
-    pub label: String,
-    /// Cells of the mesh.
-    pub cells: usize,
-    /// Computation time.
-    pub milliseconds: f64,
-    /// Average normalised error.
-    pub error: f64,
-}
 
 /// The steps of a run as two tables, what was computed and what it cost.
 #[must_use]

@@ -1,10 +1,12 @@
 //! `subsolid check`: what a run would do, without solving.
 
-use super::inspect::{describe_groups, describe_mesh, summary, write_json};
+use super::inspect::{describe_groups, describe_mesh};
 use super::resolve::{Resolved, choose_materials};
 use super::{RunOptions, load, print, resolve, table};
 use crate::error::Error;
+use crate::fem;
 use crate::mesh::TetMesh;
+use crate::output::report::{MeshReport, write_json};
 use crate::scenario::{Refine, Scenario, Strategy};
 use std::time::Instant;
 
@@ -17,8 +19,9 @@ pub fn check(scenario: &Scenario, options: &RunOptions) -> Result<(), Error> {
     let file = load::load(scenario)?;
     let given_groups = file.mesh.groups().len();
     let resolved = resolve::resolve(scenario, file.mesh)?;
+    fem::check_constraints(&resolved.mesh, &resolved.model)?;
     if let Some(path) = &options.json {
-        write_json(path, &summary(&resolved.mesh, start.elapsed().as_secs_f64()))?;
+        write_json(path, &MeshReport::of(&resolved.mesh, start.elapsed().as_secs_f64()))?;
     }
     if options.quiet {
         return Ok(());

@@ -3,8 +3,7 @@
 use super::{load, print, select, table};
 use crate::error::Error;
 use crate::mesh::{GroupId, TetMesh, features, quality, read, topology};
-use serde_json::{Value, json};
-use std::io::Write as _;
+use crate::output::report::{MeshReport, write_json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -24,13 +23,13 @@ pub struct Inspection {
 /// Reads a mesh and prints its counts, groups, regions and quality.
 ///
 /// # Errors
-/// [`Error::Mesh`] if it cannot be read, [`Error::Write`] if the JSON file cannot be written.
+/// [`Error::Mesh`] if it cannot be read, [`Error::Output`] if the JSON file cannot be written.
 pub fn inspect(inspection: &Inspection) -> Result<(), Error> {
     let start = Instant::now();
     let file = read::read(&load::find(&inspection.mesh, Path::new(""))?)?;
     let mesh = features::with_creases(file.mesh, inspection.feature_angle, &[]);
     if let Some(path) = &inspection.json {
-        write_json(path, &summary(&mesh, start.elapsed().as_secs_f64()))?;
+        write_json(path, &MeshReport::of(&mesh, start.elapsed().as_secs_f64()))?;
     }
     if inspection.quiet {
         return Ok(());
@@ -40,30 +39,6 @@ pub fn inspect(inspection: &Inspection) -> Result<(), Error> {
     text += &describe_regions(&mesh);
     text += &describe_groups(&mesh, mesh.groups().len());
     print(&text)
-}
-
-/// The figures of a mesh that `inspect` and `subdivide` write to `--json`.
-#[must_use]
-pub fn summary(mesh: &TetMesh, seconds: f64) -> Value {
-    let q = quality::quality(mesh);
-    let (feature_edges, _) = features::feature_count_and_length(mesh);
-    json!({
-        "cells": mesh.tets().len(),
-        "nodes": mesh.points().len(),
-        "edges": topology::edges(mesh.tets()).len(),
-        "boundary_faces": mesh.faces().len(),
-        "feature_edges": feature_edges,
-        "volume": mesh.volume(),
-        "quality": {
-            "worst": q.worst,
-            "average": q.average,
-            "best": q.best,
-            "max_valence": q.max_valence,
-            "average_valence": q.average_valence,
-            "inverted": q.inverted,
-        },
-        "seconds": seconds,
-    })
 }
 
 /// Counts, size and quality.
@@ -119,18 +94,4 @@ pub(super) fn describe_groups(mesh: &TetMesh, count: usize) -> String {
         rows.add_row([name.clone(), mesh.group_faces(id).count().to_string(), format!("{area:.6}")]);
     }
     format!("\n{rows}\n")
-}
-
-/// Writes JSON as a whole or not at all.
-///
-/// # Errors
-/// [`Error::Write`] with the path.
-pub fn write_json(path: &Path, value: &Value) -> Result<(), Error> {
-    let failed = |source| Error::Write { path: path.to_owned(), source };
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;
-    file.write_all(format!("{value:#}\n").as_bytes()).map_err(failed)?;
-    file.as_file().sync_all().map_err(failed)?;
-    file.persist(path).map_err(|e| failed(e.error))?;
-    Ok(())
 }

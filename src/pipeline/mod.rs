@@ -1,5 +1,6 @@
 //! The commands; the only room that sees every stage.
 
+mod analyse;
 pub mod check;
 pub mod compare;
 mod hints;
@@ -8,8 +9,10 @@ pub mod load;
 mod loading;
 mod model_error;
 pub mod resolve;
+mod results;
 pub mod run;
 pub mod select;
+mod simulate;
 pub mod subdivide;
 
 pub use model_error::ModelError;

@@ -1,8 +1,16 @@
-//! `subsolid subdivide`: refine a mesh and write it.
+//! `subsolid subdivide`: refine all cells of a mesh and write it.
 
+use super::print;
 use crate::error::Error;
+use crate::mesh::{features, read};
+use crate::output::options::Compression;
+use crate::output::progress::Progress;
+use crate::output::report::{MeshReport, write_json};
+use crate::output::vtk::{Fields, write_vtu};
 use crate::subdiv::options::Options;
-use std::path::PathBuf;
+use crate::subdiv::{self, History};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// What the command line says about a subdivision.
 #[derive(Debug, Clone)]
@@ -23,10 +31,44 @@ pub struct Subdivision {
     pub json: Option<PathBuf>,
 }
 
-/// Subdivides; see the pipeline's own branch.
+/// Refines all cells `steps` times and writes the mesh as VTK.
 ///
 /// # Errors
-/// Always, here.
-pub fn subdivide(_subdivision: &Subdivision) -> Result<(), Error> {
-    Err(crate::mesh::MeshError::Generator("subdivide is not in this branch".to_owned()).into())
+/// [`Error::Mesh`] if the mesh cannot be read or refined, [`Error::Output`] if the result cannot be written.
+pub fn subdivide(command: &Subdivision) -> Result<MeshReport, Error> {
+    let file = read::read(&command.mesh)?;
+    let mut mesh = features::with_creases(file.mesh, command.feature_angle, &[]);
+    let mut history = History::default();
+    let progress = Progress::new(command.quiet);
+    let clock = Instant::now();
+    for step in 1..=command.steps {
+        let _phase = progress.phase(format!("step {step}: refine {} cells", mesh.tets().len()));
+        let all = vec![true; mesh.tets().len()];
+        let refined = subdiv::refine(&mesh, &history, &all, &command.options)?;
+        (mesh, history) = (refined.mesh, refined.history);
+    }
+    let report = MeshReport::of(&mesh, clock.elapsed().as_secs_f64());
+    write_vtu(&command.output, &mesh, &Fields::default(), Compression::default())?;
+    if let Some(path) = &command.json {
+        write_json(path, &report)?;
+    }
+    if !command.quiet {
+        print(&describe(&report, &command.output))?;
+    }
+    Ok(report)
+}
+
+fn describe(report: &MeshReport, output: &Path) -> String {
+    let MeshReport { mesh, quality: q, seconds } = report;
+    format!(
+        "{} cells, {} nodes, {} feature edges\nminimum dihedral angle: worst {:.2}, average {:.2} degrees; largest valence \
+         {}\nrefined in {seconds:.3} s, written to {}\n",
+        mesh.cells,
+        mesh.nodes,
+        mesh.feature_edges,
+        q.worst,
+        q.average,
+        q.max_valence,
+        output.display()
+    )
 }

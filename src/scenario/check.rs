@@ -6,6 +6,7 @@ use super::numbers::{Checked, finite, integer, outside, positive, vector, within
 use super::raw::*;
 use super::selector::{KINDS, at_most_one, one};
 use super::*;
+use crate::output::options::PublishedStep;
 use crate::subdiv::options::{Boundary, Options, Scheme};
 use std::ops::Range;
 use toml::Spanned;
@@ -272,7 +273,7 @@ fn output(raw: &RawOutput) -> Output {
     Output {
         vtk: raw.vtk.unwrap_or(true),
         report: raw.report.unwrap_or(true),
-        compression: raw.compression.unwrap_or(Compression::Lz4),
+        compression: raw.compression.unwrap_or_default(),
     }
 }
 
@@ -281,8 +282,8 @@ fn published(raw: RawPublished) -> Checked<Published> {
         Ok(PublishedStep {
             label: s.label,
             cells: integer(&s.cells, 1..=i64::MAX)?,
-            milliseconds: s.milliseconds.as_ref().map(positive).transpose()?,
-            error: s.error.as_ref().map(positive).transpose()?,
+            milliseconds: positive(&s.milliseconds)?,
+            error: positive(&s.error)?,
         })
     };
     Ok(Published { source: raw.source, steps: raw.steps.into_iter().map(step).collect::<Checked<_>>()? })

@@ -15,6 +15,7 @@ pub use error::{Invalid, ScenarioError};
 pub use selector::Selector;
 
 use crate::adapt::options::{Estimator, Marking};
+use crate::output::options::{Compression, Published};
 use crate::{fem::options::SolverOptions, subdiv};
 use glam::DVec3;
 use serde::Deserialize as _;
@@ -195,40 +196,6 @@ pub struct Output {
     pub report: bool,
     /// Compression of the VTK files.
     pub compression: Compression,
-}
-
-/// Compression of VTK files.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Compression {
-    /// Fast.
-    Lz4,
-    /// Small.
-    Zlib,
-    /// As it is.
-    None,
-}
-
-/// Figures from the literature, printed beside those of a comparison.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Published {
-    /// Where they were published.
-    pub source: String,
-    /// One row a mesh.
-    pub steps: Vec<PublishedStep>,
-}
-
-/// Figures of one mesh.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PublishedStep {
-    /// What the mesh is, such as "adaptive".
-    pub label: String,
-    /// Number of cells.
-    pub cells: usize,
-    /// Time.
-    pub milliseconds: Option<f64>,
-    /// Error, by the source's own measure.
-    pub error: Option<f64>,
 }
 
 impl Scenario {

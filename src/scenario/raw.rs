@@ -2,6 +2,7 @@
 
 use crate::adapt::options::Estimator;
 use crate::fem::options::Method;
+use crate::output::options::Compression;
 use crate::subdiv::options::{Boundary, Scheme};
 use serde::{Deserialize, Deserializer, de};
 use std::{collections::BTreeMap, fmt, marker::PhantomData, ops::Range};
@@ -350,7 +351,7 @@ pub(super) struct RawSolver {
 pub(super) struct RawOutput {
     pub vtk: Option<bool>,
     pub report: Option<bool>,
-    pub compression: Option<super::Compression>,
+    pub compression: Option<Compression>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -365,8 +366,8 @@ pub(super) struct RawPublished {
 pub(super) struct RawPublishedStep {
     pub label: String,
     pub cells: Integer,
-    pub milliseconds: Option<Number>,
-    pub error: Option<Number>,
+    pub milliseconds: Number,
+    pub error: Number,
 }
 
 #[cfg(test)]
