@@ -27,7 +27,7 @@ impl std::fmt::Display for Victim {
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum MeshError {
     /// The file cannot be opened or read.
-    #[error("cannot read mesh {path}: {source}", path = path.display())]
+    #[error("cannot read mesh {path}", path = path.display())]
     #[diagnostic(help("{help}"))]
     Unreadable {
         /// The file asked for.
@@ -87,7 +87,7 @@ pub enum MeshError {
     #[error("{0} repeats a vertex")]
     RepeatedVertex(Victim),
     /// Cells without positive volume.
-    #[error("{worst}: volume {volume:.3e} is not positive ({count} such cells)")]
+    #[error("{worst}: volume {volume:.3e} is not positive beyond rounding ({count} such cells)")]
     #[diagnostic(help("the worst cell is named; repair the mesh (Gmsh: Mesh.Optimize) or its node order"))]
     NotPositive {
         /// The cell with the smallest volume.
