@@ -168,7 +168,7 @@ def colour_bar(lut, title, width):
     bar.SetLookupTable(lut)
     bar.SetTitle(title)
     bar.SetOrientationToHorizontal()
-    bar.SetNumberOfLabels(5)
+    bar.SetNumberOfLabels(4)
     bar.SetLabelFormat("{:.3g}" if vtk_formats_with_braces() else "%.3g")
     bar.UnconstrainedFontSizeOn()
     for style, size in ((bar.GetTitleTextProperty(), width // 34), (bar.GetLabelTextProperty(), width // 40)):
@@ -179,7 +179,8 @@ def colour_bar(lut, title, width):
         style.ShadowOff()
     bar.GetPositionCoordinate().SetValue(0.15, 0.02)
     bar.SetWidth(0.7)
-    bar.SetHeight(0.11)
+    bar.SetHeight(0.14)
+    bar.SetVerticalTitleSeparation(width // 80)
     return bar
 
 
