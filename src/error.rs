@@ -21,7 +21,7 @@ pub enum Error {
     #[diagnostic(transparent)]
     Model(#[from] ModelError),
     /// A file or folder cannot be written.
-    #[error("cannot write {path}: {source}", path = path.display())]
+    #[error("cannot write {path}", path = path.display())]
     #[diagnostic(help("choose another folder with --output, or make room"))]
     Write {
         /// The file or folder.
@@ -30,8 +30,8 @@ pub enum Error {
         source: std::io::Error,
     },
     /// Standard output cannot be written.
-    #[error("cannot write to standard output: {0}")]
-    Print(std::io::Error),
+    #[error("cannot write to standard output")]
+    Print(#[source] std::io::Error),
     /// All refinement steps are done and the error is still above what the scenario asks for.
     #[error("the estimated relative error is {reached:.4}, above the {asked} asked for")]
     #[diagnostic(help("allow more: refine.steps, or the limits of [refine.stop]"))]

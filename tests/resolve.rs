@@ -1,4 +1,5 @@
 //! From a scenario and a mesh to a model: what selectors match, and what is said of an ill-posed model.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use glam::DVec3;
 use miette::Diagnostic as _;

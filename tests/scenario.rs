@@ -1,4 +1,5 @@
 //! Scenarios: what is accepted, and what a fault says: its place, its key, its remedy, its exit code.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use std::path::Path;
 use subsolid::Error;
@@ -384,4 +385,14 @@ fn an_unreadable_scenario_says_which() {
     let error = Scenario::from_file(Path::new("no/such.toml"), &[]).unwrap_err();
     assert!(error.to_string().contains("no/such.toml"));
     assert_eq!(Error::from(error).exit_code(), 3);
+}
+
+#[test]
+fn every_bundled_scenario_is_accepted_as_it_stands() {
+    let Ok(entries) = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios")) else {
+        return println!("skipped: there is no folder scenarios/");
+    };
+    for path in entries.map(|e| e.unwrap().path()).filter(|p| p.extension().is_some_and(|e| e == "toml")) {
+        Scenario::from_file(&path, &[]).unwrap_or_else(|e| panic!("{e}"));
+    }
 }

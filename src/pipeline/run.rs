@@ -1,6 +1,6 @@
 //! `subsolid run`: the loop.
 
-use super::RunOptions;
+use super::{RunOptions, load, resolve};
 use crate::error::Error;
 use crate::scenario::Scenario;
 
@@ -8,6 +8,7 @@ use crate::scenario::Scenario;
 ///
 /// # Errors
 /// Always, here.
-pub fn run(_scenario: &Scenario, _options: &RunOptions) -> Result<(), Error> {
+pub fn run(scenario: &Scenario, _options: &RunOptions) -> Result<(), Error> {
+    resolve::resolve(scenario, load::load(scenario)?.mesh)?;
     Err(crate::mesh::MeshError::Generator("run is not in this branch".to_owned()).into())
 }

@@ -281,8 +281,8 @@ fn published(raw: RawPublished) -> Checked<Published> {
         Ok(PublishedStep {
             label: s.label,
             cells: integer(&s.cells, 1..=i64::MAX)?,
-            milliseconds: s.milliseconds.as_ref().map(positive).transpose()?,
-            error: s.error.as_ref().map(positive).transpose()?,
+            milliseconds: positive(&s.milliseconds)?,
+            error: positive(&s.error)?,
         })
     };
     Ok(Published { source: raw.source, steps: raw.steps.into_iter().map(step).collect::<Checked<_>>()? })

@@ -15,7 +15,8 @@ pub use error::{Invalid, ScenarioError};
 pub use selector::Selector;
 
 use crate::adapt::options::{Estimator, Marking};
-use crate::{fem::options::SolverOptions, subdiv};
+use crate::fem::options::SolverOptions;
+use crate::subdiv::options::Options;
 use glam::DVec3;
 use serde::Deserialize as _;
 use std::path::{Path, PathBuf};
@@ -157,7 +158,7 @@ pub struct Refine {
     /// Refinement steps at most; not looked at under [`Strategy::None`].
     pub steps: usize,
     /// Scheme, boundary rule, passes.
-    pub options: subdiv::options::Options,
+    pub options: Options,
     /// When to stop before the last step.
     pub stop: Stop,
 }
@@ -226,9 +227,9 @@ pub struct PublishedStep {
     /// Number of cells.
     pub cells: usize,
     /// Time.
-    pub milliseconds: Option<f64>,
+    pub milliseconds: f64,
     /// Error, by the source's own measure.
-    pub error: Option<f64>,
+    pub error: f64,
 }
 
 impl Scenario {

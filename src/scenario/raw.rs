@@ -365,8 +365,8 @@ pub(super) struct RawPublished {
 pub(super) struct RawPublishedStep {
     pub label: String,
     pub cells: Integer,
-    pub milliseconds: Option<Number>,
-    pub error: Option<Number>,
+    pub milliseconds: Number,
+    pub error: Number,
 }
 
 #[cfg(test)]

@@ -47,7 +47,10 @@ const EXAMPLES: [(&[&str], &str); 8] = [
     (&["point", "axis", "radius"], "cylinder = { point = [0, 0, 0], axis = [0, 0, 1], radius = 1 }"),
     (&["direction", "angle"], "normal = { direction = [0, 0, 1], angle = 5 }"),
     (&["size", "cells"], "box = { size = [4, 1, 1], cells = [8, 2, 2] }"),
-    (&["source", "steps", "label", "cells"], "source = \"...\", steps = [{ label = \"base\", cells = 2799 }]"),
+    (
+        &["source", "steps", "label", "cells", "milliseconds", "error"],
+        "source = \"...\", steps = [{ label = \"base\", cells = 2799, milliseconds = 491, error = 0.08 }]",
+    ),
 ];
 
 /// The fault behind an error of the typed stage.
