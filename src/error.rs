@@ -35,8 +35,8 @@ pub enum Error {
     #[diagnostic(transparent)]
     Output(#[from] OutputError),
     /// Standard output cannot be written.
-    #[error("cannot write to standard output: {0}")]
-    Print(std::io::Error),
+    #[error("cannot write to standard output")]
+    Print(#[source] std::io::Error),
     /// All refinement steps are done and the error is still above what the scenario asks for.
     #[error("the estimated relative error is {reached:.4}, above the {asked} asked for")]
     #[diagnostic(help("allow more: refine.steps, or the limits of [refine.stop]"))]

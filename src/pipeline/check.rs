@@ -70,7 +70,7 @@ fn describe_refinement(scenario: &Scenario) -> String {
         Strategy::Global => "all cells".to_owned(),
         Strategy::Adaptive => {
             let (marking, rings) = (word(&scenario.adapt.marking), scenario.adapt.grow);
-            format!("cells by {} error, {marking}, grown by {rings} rings", word(&scenario.adapt.estimator))
+            format!("cells by {} error, {marking}, {rings} rings of neighbours", word(&scenario.adapt.estimator))
         }
     };
     let rules = [

@@ -50,7 +50,7 @@ fn find_in(file: &Path, beside: &Path, data: Option<&Path>) -> Result<PathBuf, M
     let source = if places.iter().any(|p| p.exists()) {
         IoError::new(ErrorKind::InvalidInput, "it is not a file")
     } else {
-        IoError::from(ErrorKind::NotFound)
+        IoError::new(ErrorKind::NotFound, "no such file")
     };
     Err(MeshError::Unreadable { path: file.to_owned(), source, help })
 }

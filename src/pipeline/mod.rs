@@ -19,6 +19,7 @@ pub use model_error::ModelError;
 
 use crate::error::Error;
 use crate::scenario::Scenario;
+use comfy_table::{CellAlignment, LineStyle, Table, presets};
 use std::io::{ErrorKind, Write as _};
 use std::path::PathBuf;
 
@@ -65,8 +66,11 @@ pub fn print(text: &str) -> Result<(), Error> {
 }
 
 /// An empty table in the style of all of them.
-pub(crate) fn table(header: &[&str]) -> comfy_table::Table {
-    let mut table = comfy_table::Table::new();
-    table.load_style(comfy_table::presets::UTF8_HORIZONTAL_ONLY).set_header(header);
+fn table(header: &[&str]) -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none())).set_header(header);
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
     table
 }

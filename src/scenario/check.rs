@@ -7,7 +7,7 @@ use super::raw::*;
 use super::selector::{KINDS, at_most_one, one};
 use super::*;
 use crate::output::options::PublishedStep;
-use crate::subdiv::options::{Boundary, Options, Scheme};
+use crate::subdiv::options::{Boundary, Scheme};
 use std::ops::Range;
 use toml::Spanned;
 

@@ -96,6 +96,7 @@ fn normalise(argument: &str) -> Result<(String, usize), (&'static str, Option<St
     let name = format!("{key} = 0");
     let table = DeTable::parse(&name).map_err(|_| ("what stands before `=` is not a key", help()))?;
     let depth = depth(table.get_ref());
+    let value = value.trim();
     match DeValue::parse(value) {
         Ok(_) => Ok((argument.to_owned(), depth)),
         Err(_) => Ok((format!("{key}={}", toml::Value::String(value.to_owned())), depth)),
@@ -179,7 +180,9 @@ fn search_value(value: &Spanned<DeValue<'_>>, path: &str, span: &Range<usize>, b
         DeValue::Table(inner) => search(inner, path, span, best),
         DeValue::Array(items) => {
             for (i, item) in items.iter().enumerate() {
-                search_value(item, &format!("{path}[{i}]"), span, best);
+                // The first of an array of tables `[[path]]` has the span of the array: it stands for the array.
+                let item_path = if item.span() == value.span() { path.to_owned() } else { format!("{path}[{i}]") };
+                search_value(item, &item_path, span, best);
             }
         }
         _ => {}

@@ -7,7 +7,7 @@ use std::{ops::Range, path::PathBuf};
 #[derive(Debug, thiserror::Error, Diagnostic)]
 pub enum ScenarioError {
     /// The file cannot be opened, or is not UTF-8.
-    #[error("cannot read scenario {path}: {source}", path = path.display())]
+    #[error("cannot read scenario {path}", path = path.display())]
     #[diagnostic(help("{help}"))]
     Unreadable {
         /// The file asked for.

@@ -15,8 +15,9 @@ pub use error::{Invalid, ScenarioError};
 pub use selector::Selector;
 
 use crate::adapt::options::{Estimator, Marking};
+use crate::fem::options::SolverOptions;
 use crate::output::options::{Compression, Published};
-use crate::{fem::options::SolverOptions, subdiv};
+use crate::subdiv::options::Options;
 use glam::DVec3;
 use serde::Deserialize as _;
 use std::path::{Path, PathBuf};
@@ -158,7 +159,7 @@ pub struct Refine {
     /// Refinement steps at most; not looked at under [`Strategy::None`].
     pub steps: usize,
     /// Scheme, boundary rule, passes.
-    pub options: subdiv::options::Options,
+    pub options: Options,
     /// When to stop before the last step.
     pub stop: Stop,
 }

@@ -12,7 +12,7 @@ pub fn closest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
 
 /// A help line: the nearest of the candidates if one is near, then all of them.
 #[must_use]
-pub fn help<'a>(word: &str, what: &str, candidates: &[&'a str]) -> String {
+pub fn help(word: &str, what: &str, candidates: &[&str]) -> String {
     let list = candidates.join(", ");
     match closest(word, candidates.iter().copied()) {
         Some(near) => format!("did you mean `{near}`? {what}: {list}"),

@@ -46,8 +46,11 @@ const EXAMPLES: [(&[&str], &str); 8] = [
     (&["center"], "sphere = { center = [0, 0, 0], radius = 1 }"),
     (&["point", "axis", "radius"], "cylinder = { point = [0, 0, 0], axis = [0, 0, 1], radius = 1 }"),
     (&["direction", "angle"], "normal = { direction = [0, 0, 1], angle = 5 }"),
-    (&["size"], "box = { size = [4, 1, 1], cells = [8, 2, 2] }"),
-    (&["source", "steps", "label", "cells"], "source = \"...\", steps = [{ label = \"base\", cells = 2799 }]"),
+    (&["size", "cells"], "box = { size = [4, 1, 1], cells = [8, 2, 2] }"),
+    (
+        &["source", "steps", "label", "cells", "milliseconds", "error"],
+        "source = \"...\", steps = [{ label = \"base\", cells = 2799, milliseconds = 491, error = 0.08 }]",
+    ),
 ];
 
 /// The fault behind an error of the typed stage.
@@ -59,7 +62,7 @@ pub(super) fn fault(error: &toml::de::Error, document: &Document<'_>) -> Fault {
     match (message, &words[..]) {
         (m, [given, accepted @ ..]) if m.starts_with("unknown field") => unknown_key(span, &key, given, accepted),
         (m, [given, accepted @ ..]) if m.starts_with("unknown variant") => unknown_value(span, given, accepted),
-        (m, [name, ..]) if m.starts_with("missing field") => missing(span, name),
+        (m, [name, ..]) if m.starts_with("missing field") => missing(span, &key, name),
         (m, _) if m.starts_with("invalid") || m.starts_with("wanted") => wrong_type(span, &key, m),
         _ => Fault::new(span, format!("is not valid: {message}"), "here"),
     }
@@ -88,9 +91,11 @@ fn unknown_value(span: Range<usize>, given: &str, accepted: &[&str]) -> Fault {
     }
 }
 
-fn missing(span: Range<usize>, name: &str) -> Fault {
+fn missing(span: Range<usize>, key: &str, name: &str) -> Fault {
     let fault = Fault::new(span, format!("lacks `{name}`"), format!("`{name}` is missing here"));
-    match EXAMPLES.iter().find(|(names, _)| names.contains(&name)) {
+    // `cells` is a key of two tables.
+    let fits = |example: &str| key.starts_with("published") == example.starts_with("source");
+    match EXAMPLES.iter().find(|(names, example)| names.contains(&name) && fits(example)) {
         Some((_, example)) => fault.help(format!("for example {example}")),
         None => fault,
     }
