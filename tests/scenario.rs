@@ -396,3 +396,34 @@ fn every_bundled_scenario_is_accepted_as_it_stands() {
         Scenario::from_file(&path, &[]).unwrap_or_else(|e| panic!("{e}"));
     }
 }
+
+/// A text with `insert` in place of `length` characters from the `start`-th.
+fn edited(text: &str, start: usize, length: usize, insert: &str) -> String {
+    let mut chars: Vec<char> = text.chars().collect();
+    let start = start % chars.len();
+    let end = (start + length).min(chars.len());
+    chars.splice(start..end, insert.chars());
+    chars.into_iter().collect()
+}
+
+proptest::proptest! {
+    #![proptest_config(proptest::prelude::ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn whatever_is_written_is_accepted_or_refused_with_a_place(
+        start: usize,
+        length in 0_usize..12,
+        insert in "[a-z0-9.,=\\[\\]{}\"\n #ä€-]{0,6}",
+        over in proptest::option::of("[a-z.]{0,12}=?[a-z0-9.\\[\\]{}\"ä-]{0,6}"),
+    ) {
+        let text = edited(EVERY_KEY, start, length, &insert);
+        let overrides: Vec<&str> = over.iter().map(String::as_str).collect();
+        if let Err(error) = parse(&text, &overrides) {
+            let ScenarioError::Invalid(fault) = &error else { panic!("{error}") };
+            let (offset, source) = (fault.span.offset(), fault.source_code.inner());
+            assert!(source.get(offset..offset + fault.span.len()).is_some(), "{fault}");
+            assert!(fault.place.starts_with("--set ") || fault.place.starts_with("dir/case.toml:"), "{fault}");
+            assert!(!format!("{:?}", miette::Report::new(error)).is_empty());
+        }
+    }
+}

@@ -26,7 +26,7 @@ pub(super) fn empty_selection(mesh: &TetMesh, selector: &Selector) -> String {
     let (lo, hi) = mesh.bounding_box();
     misses.push(format!("the model spans {lo} to {hi}"));
     misses.push(groups(mesh));
-    misses.join("; ")
+    misses.join("\n")
 }
 
 fn groups(mesh: &TetMesh) -> String {

@@ -4,7 +4,7 @@ use super::document::Document;
 use super::error::Fault;
 use super::numbers::{Checked, finite, integer, outside, positive, vector, within};
 use super::raw::*;
-use super::selector::{KINDS, at_most_one, one};
+use super::selector::{KINDS, at_most_one, no_selector, one};
 use super::*;
 use crate::output::options::PublishedStep;
 use crate::subdiv::options::{Boundary, Scheme};
@@ -161,39 +161,46 @@ fn support(name: String, Table { span, value }: Table<RawSupport>, place: Place)
 }
 
 fn load(name: String, Table { span, value }: Table<RawLoad>, place: Place) -> Checked<Load> {
-    let spans = [
-        ("traction", value.traction.as_ref().map(Spanned::span)),
-        ("pressure", value.pressure.as_ref().map(Spanned::span)),
-        ("force", value.force.as_ref().map(Spanned::span)),
-        ("gravity", value.gravity.as_ref().map(Spanned::span)),
-    ];
-    let given: Vec<_> = spans.iter().filter_map(|(key, span)| Some((*key, span.clone()?))).collect();
-    let help = "a load has one of traction = [x, y, z] (per area), pressure = p, force = [x, y, z] (total), gravity = [x, y, z]";
-    if let [(first, _), (_, second), ..] = &given[..] {
-        let problem = format!("stands beside `{first}`: a load has one kind");
-        return Err(Fault::new(second.clone(), problem, "the second kind").help(format!("{help}; make two loads")));
-    }
+    check_one_kind(&value)?;
     let place = place(&span);
-    let kind = if let Some(g) = &value.gravity {
-        let kind = LoadKind::Gravity(vector(g)?);
-        if at_most_one(value.into())?.is_some() {
-            return Err(Fault::new(span, "has a selector, but gravity acts on all cells", "this load")
-                .help(format!("remove the selector ({KINDS})")));
+    let (traction, force) = (value.traction.as_ref().map(vector), value.force.as_ref().map(vector));
+    let (pressure, gravity) = (value.pressure.as_ref().map(finite), value.gravity.as_ref().map(vector));
+    let selector = at_most_one(value.into())?;
+    let target = |selector: Option<Selector>| selector.ok_or_else(|| no_selector(&span));
+    let kind = match (traction, pressure, force, gravity) {
+        (Some(t), ..) => LoadKind::Traction(target(selector)?, t?),
+        (_, Some(p), ..) => LoadKind::Pressure(target(selector)?, p?),
+        (_, _, Some(f), _) => LoadKind::Force(target(selector)?, f?),
+        (.., Some(_)) if selector.is_some() => {
+            let fault = Fault::new(span, "has a selector, but gravity acts on all cells", "this load");
+            return Err(fault.help(format!("remove the selector ({KINDS})")));
         }
-        kind
-    } else if let Some(v) = &value.traction {
-        let v = vector(v)?;
-        LoadKind::Traction(one(value.into(), &span)?, v)
-    } else if let Some(v) = &value.force {
-        let v = vector(v)?;
-        LoadKind::Force(one(value.into(), &span)?, v)
-    } else if let Some(p) = &value.pressure {
-        let p = finite(p)?;
-        LoadKind::Pressure(one(value.into(), &span)?, p)
-    } else {
-        return Err(Fault::new(span, "does not say what acts", "which load?").help(help));
+        (.., Some(g)) => LoadKind::Gravity(g?),
+        _ => return Err(Fault::new(span, "does not say what acts", "which load?").help(LOADS)),
     };
     Ok(Load { name, place, kind })
+}
+
+const LOADS: &str = "a load has one of traction = [x, y, z] (per area), pressure = p, force = [x, y, z] (total), \
+                     gravity = [x, y, z]";
+
+/// Refuses a second kind of load in a table.
+fn check_one_kind(raw: &RawLoad) -> Checked<()> {
+    let given = [
+        ("traction", raw.traction.as_ref().map(Spanned::span)),
+        ("pressure", raw.pressure.as_ref().map(Spanned::span)),
+        ("force", raw.force.as_ref().map(Spanned::span)),
+        ("gravity", raw.gravity.as_ref().map(Spanned::span)),
+    ];
+    let given: Vec<_> = given.into_iter().filter_map(|(key, span)| Some((key, span?))).collect();
+    match &given[..] {
+        [(first, _), (_, second), ..] => {
+            let problem = format!("stands beside `{first}`: a load has one kind");
+            let fault = Fault::new(second.clone(), problem, "the second kind");
+            Err(fault.help(format!("{LOADS}; make two loads")))
+        }
+        _ => Ok(()),
+    }
 }
 
 fn refine(raw: Option<RawRefine>, warnings: &mut Vec<String>) -> Checked<Refine> {

@@ -71,11 +71,14 @@ pub(super) const KINDS: &str = "group, plane, box, sphere, cylinder, normal, all
 
 /// The selector written in a table at `span`, which must hold exactly one.
 pub(super) fn one(raw: RawSelector, span: &Range<usize>) -> Checked<Selector> {
-    at_most_one(raw)?.ok_or_else(|| {
-        Fault::new(span.clone(), "has no selector", "acts on which faces?").help(format!(
-            "add one of {KINDS}; for example group = \"x-min\" or plane = {{ normal = [0, 1, 0], offset = -10 }}"
-        ))
-    })
+    at_most_one(raw)?.ok_or_else(|| no_selector(span))
+}
+
+/// The fault of a table at `span` without a selector.
+pub(super) fn no_selector(span: &Range<usize>) -> Fault {
+    Fault::new(span.clone(), "has no selector", "acts on which faces?").help(format!(
+        "add one of {KINDS}; for example group = \"x-min\" or plane = {{ normal = [0, 1, 0], offset = -10 }}"
+    ))
 }
 
 /// The selector written in a table, if there is one.

@@ -1,13 +1,17 @@
 //! "Did you mean ...?"
 
-/// The candidate a misspelt word most likely stands for, if one is near: at most one edit in three letters, letter case
-/// aside.
+/// The candidate a misspelt word most likely stands for, if one is near: at most one edit in three letters, or the one
+/// that begins with the word; letter case aside.
 #[must_use]
 pub fn closest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let word = word.to_lowercase();
     let near = |c: &&str| strsim::damerau_levenshtein(&word, &c.to_lowercase());
-    let best = candidates.into_iter().map(|c| (near(&c), c)).min_by_key(|(edits, _)| *edits)?;
-    (3 * best.0 <= word.chars().count().max(3)).then_some(best.1)
+    let candidates: Vec<&str> = candidates.into_iter().collect();
+    let (edits, best) = candidates.iter().map(|c| (near(c), *c)).min_by_key(|(edits, _)| *edits)?;
+    if 3 * edits <= word.chars().count().max(3) {
+        return Some(best);
+    }
+    candidates.into_iter().find(|c| word.len() >= 3 && c.to_lowercase().starts_with(&word))
 }
 
 /// A help line: the nearest of the candidates if one is near, then all of them.
@@ -30,6 +34,7 @@ mod tests {
         assert_eq!(closest("stepz", words), Some("steps"));
         assert_eq!(closest("SCHEME", words), Some("scheme"));
         assert_eq!(closest("stratgey", words), Some("strategy"));
+        assert_eq!(closest("strat", words), Some("strategy"));
         assert_eq!(closest("colour", words), None);
         assert_eq!(closest("x", []), None);
     }
