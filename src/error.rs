@@ -37,6 +37,10 @@ pub enum Error {
     /// Standard output cannot be written.
     #[error("cannot write to standard output")]
     Print(#[source] std::io::Error),
+    /// A comparison with adaptive refinement needs a scheme that can refine some of the cells.
+    #[error("scheme \"red\" refines all cells or none, so there is nothing adaptive to compare with")]
+    #[diagnostic(help("set refine.scheme = \"sqrt3\"; or use `run` for global red refinement"))]
+    NothingToCompare,
     /// All refinement steps are done and the error is still above what the scenario asks for.
     #[error("the estimated relative error is {reached:.4}, above the {asked} asked for")]
     #[diagnostic(help("allow more: refine.steps, or the limits of [refine.stop]"))]
@@ -54,7 +58,7 @@ impl Error {
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Scenario(_) => 3,
+            Self::Scenario(_) | Self::NothingToCompare => 3,
             Self::Mesh(_) => 4,
             Self::Model(_) => 5,
             Self::Fem(error) if error.is_model() => 5,

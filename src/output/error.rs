@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum OutputError {
     /// The operating system refused.
-    #[error("cannot write {path}: {source}", path = path.display())]
+    #[error("cannot write {path}", path = path.display())]
     #[diagnostic(help(
         "check that the folder exists, may be written to and has free space, or choose another with --output; \
          an older file of that name was left as it was"

@@ -10,6 +10,7 @@ use crate::output::progress::Progress;
 use crate::output::report::{PhaseSeconds, Report, write_json};
 use crate::output::table;
 use crate::scenario::{Scenario, Strategy};
+use crate::subdiv::options::Scheme;
 
 /// A pass over both strategies that takes longer than this is not repeated.
 const SHORT_SECONDS: f64 = 30.0;
@@ -20,6 +21,9 @@ const SHORT_SECONDS: f64 = 30.0;
 /// # Errors
 /// [`Error`] with its exit code, as [`super::run::run`]; the tolerance is asked of the adaptive run.
 pub fn compare(scenario: &Scenario, options: &RunOptions, repeat: usize) -> Result<(), Error> {
+    if scenario.refine.options.scheme == Scheme::Red {
+        return Err(Error::NothingToCompare);
+    }
     let problem = prepare(scenario, options)?;
     let folder = options.folder(scenario);
     let mut global = first_pass(scenario, options, &problem, Strategy::Global, "global")?;

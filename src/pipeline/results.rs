@@ -81,6 +81,9 @@ impl<'a> Results<'a> {
 
     /// Writes what is known only at the end of the run.
     pub(super) fn finish(self, report: &Report) -> Result<(), Error> {
+        if self.scenario.output.vtk {
+            pvd::write_view(&self.path("view.py"))?;
+        }
         if self.scenario.output.report {
             write_json(&self.path("report.json"), report)?;
             write_text(&self.path("table.txt"), &table::steps(&report.steps))?;
