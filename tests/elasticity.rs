@@ -1,4 +1,5 @@
 //! Linear elasticity from the outside: exact solutions, balance, reference energies of the tripod, reproducible bytes.
+#![allow(clippy::unwrap_used)]
 
 use glam::DVec3;
 use subsolid::fem::options::{Method, SolverOptions};

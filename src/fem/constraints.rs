@@ -149,7 +149,7 @@ impl Bodies {
     /// Says how a part can move; `free` holds orthonormal motions in its columns.
     fn sentence(&self, part: u32, free: &DMatrix<f64>) -> String {
         let body = &self.parts[part as usize];
-        let (lo, hi) = (point(body.lo), point(body.hi));
+        let (lo, hi) = (rounded(body.lo, body.radius()), rounded(body.hi, body.radius()));
         let (number, count) = (part + 1, self.parts.len());
         let motion = if free.ncols() == 6 { "move and rotate in every way".to_owned() } else { describe(body, free) };
         format!("part {number} of {count} ({} cells, box {lo} to {hi}) can still {motion}", body.cells)
@@ -204,7 +204,8 @@ fn describe(body: &Body, free: &DMatrix<f64>) -> String {
         let [t, w] = [shift * v, spin * v].map(|m| DVec3::new(m[0], m[1], m[2]));
         if eigen.eigenvalues[k] > ZERO { screws.push((w, t)) } else { shifts.push(t) }
     }
-    let mut words: Vec<String> = axis_basis(&shifts).into_iter().map(|t| format!("move along {}", direction(t))).collect();
+    let mut words: Vec<String> =
+        axis_basis(&shifts).into_iter().map(|t| format!("move along {}", direction(t))).collect();
     let spins: Vec<DVec3> = screws.iter().map(|(w, _)| w.normalize()).collect();
     words.extend(axis_basis(&spins).into_iter().map(|w| {
         // The vectors w_k are orthogonal: the coordinates of w among them give the shift that goes with it.
@@ -212,7 +213,7 @@ fn describe(body: &Body, free: &DMatrix<f64>) -> String {
         let shift = shift - shifts.iter().map(|s| s.dot(shift) * *s).sum::<DVec3>();
         let through = body.centre() + body.radius() * w.cross(shift);
         let screw = if shift.dot(w).abs() > ZERO.sqrt() { " and along" } else { "" };
-        format!("rotate about{screw} {} through {}", direction(w), point(through))
+        format!("rotate about{screw} {} through {}", direction(w), rounded(through, body.radius()))
     }));
     words.join(", ")
 }
@@ -232,11 +233,13 @@ fn axis_basis(span: &[DVec3]) -> Vec<DVec3> {
 
 fn direction(v: DVec3) -> String {
     let axis = DVec3::AXES.into_iter().zip(["x", "y", "z"]).find(|(e, _)| v.cross(*e).length() < ZERO.sqrt());
-    axis.map_or_else(|| point(v), |(_, name)| name.to_owned())
+    axis.map_or_else(|| rounded(v, 1.0), |(_, name)| name.to_owned())
 }
 
-/// Four digits; adding zero turns -0 into 0.
-fn point(p: DVec3) -> String {
-    let [x, y, z] = p.to_array().map(|c| (c * 1e4).round() / 1e4 + 0.0);
+/// A position or vector to four digits of `scale`.
+fn rounded(p: DVec3, scale: f64) -> String {
+    let decimals = (3 - scale.log10().floor() as i32).clamp(0, 300);
+    // Text and back drops trailing zeros; adding zero turns -0 into 0.
+    let [x, y, z] = p.to_array().map(|c| format!("{c:.0$}", decimals as usize).parse().unwrap_or(c) + 0.0);
     format!("({x}, {y}, {z})")
 }

