@@ -1,6 +1,7 @@
 //! Solving `K u = f` under prescribed displacements.
 
 mod cg;
+mod cholesky;
 mod direct;
 mod ordering;
 
@@ -46,19 +47,19 @@ pub fn solve(system: &System, options: &SolverOptions) -> Result<Solved, FemErro
     }
     match options.method {
         Method::Cg => cg::solve(&problem, "asked for".to_owned()),
-        Method::Direct => direct::solve(&problem, &direct::Analysis::new(system)?, "asked for".to_owned()),
+        Method::Direct => direct::solve(&problem, direct::analyse(system)?, "asked for".to_owned()),
         Method::Auto => solve_auto(&problem, options.direct_memory_limit),
     }
 }
 
 /// Direct if the forecast of its memory is below the limit, else conjugate gradients.
 fn solve_auto(problem: &Problem, limit: u64) -> Result<Solved, FemError> {
-    let analysis = direct::Analysis::new(problem.system)?;
+    let analysis = direct::analyse(problem.system)?;
     let bytes = analysis.factor_bytes();
     let megabytes = |bytes: u64| bytes as f64 / 1e6;
     let against = format!("{:.0} MB of factor, limit {:.0} MB", megabytes(bytes), megabytes(limit));
     if bytes <= limit {
-        direct::solve(problem, &analysis, against)
+        direct::solve(problem, analysis, against)
     } else {
         drop(analysis);
         cg::solve(problem, against)
