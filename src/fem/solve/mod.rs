@@ -2,6 +2,7 @@
 
 mod cg;
 mod cholesky;
+mod coarse;
 mod direct;
 mod ordering;
 
