@@ -136,6 +136,34 @@ fn auto_takes_cg_when_the_factor_is_too_large_and_says_so() {
 }
 
 #[test]
+fn iterations_hardly_grow_with_the_mesh() {
+    let iterations = [6, 12, 24].map(|cells| {
+        let (mesh, model) = pressed_box(cells);
+        let system = fem::assemble(&mesh, &model).unwrap();
+        fem::solve(&system, &SolverOptions { tolerance: 1e-8, ..with(Method::Cg) }).unwrap().info.iterations
+    });
+    assert!(iterations[2] < iterations[0] + 30 && iterations[2] < 80, "{iterations:?}");
+}
+
+#[test]
+fn auto_solves_large_systems_by_cg() {
+    let (mesh, model) = pressed_box(12);
+    assert_eq!(analyse(&mesh, &model, Method::Auto).info.method, "cg");
+}
+
+#[test]
+fn auto_turns_to_the_direct_method_where_cg_is_slow() {
+    let (mesh, model) = pressed_box(12);
+    let mut parts = mesh.into_parts();
+    parts.points.iter_mut().for_each(|p| p.z *= 100.0);
+    let mesh = TetMesh::new(parts).unwrap();
+    let options = SolverOptions { tolerance: 1e-6, ..with(Method::Auto) };
+    let info = fem::solve(&fem::assemble(&mesh, &model).unwrap(), &options).unwrap().info;
+    assert_eq!(info.method, "direct", "{info:?}");
+    assert!(info.reason.contains("300 iterations"), "{info:?}");
+}
+
+#[test]
 fn a_tolerance_out_of_reach_is_an_error_not_a_result() {
     let (mesh, model) = pressed_box(3);
     let system = fem::assemble(&mesh, &model).unwrap();

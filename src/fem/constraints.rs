@@ -42,7 +42,7 @@ pub fn check_constraints(mesh: &TetMesh, model: &Model) -> Result<(), FemError> 
     let more = motions.len().saturating_sub(MAX_NAMED);
     motions.truncate(MAX_NAMED);
     if more > 0 {
-        motions.push(format!("so can {more} more"));
+        motions.push(format!("{more} more parts can move as well"));
     }
     if motions.is_empty() { Ok(()) } else { Err(FemError::FreeMotion { motions }) }
 }

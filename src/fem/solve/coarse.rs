@@ -2,20 +2,20 @@
 //!
 //! Conjugate gradients with a preconditioner of one node's reach need more iterations the finer the mesh, since smooth
 //! displacements are the slow ones. Smooth displacements are nearly rigid on small pieces of the solid, so the nodes are
-//! gathered into aggregates of some forty nodes, and the problem restricted to displacements that are rigid on each
+//! gathered into aggregates of some sixty nodes, and the problem restricted to displacements that are rigid on each
 //! aggregate is solved directly (aggregation with rigid-body modes, Vanek, Mandel and Brezina 1996, unsmoothed).
 
 use super::cholesky::{Analysis, Factor, Lower};
 use super::ordering::Graph;
+use crate::fem::block_matrix::CHUNK;
 use crate::fem::{FemError, System};
 use glam::{DMat3, DVec3};
-use nalgebra::{Matrix6, SymmetricEigen, Vector6};
+use nalgebra::{Matrix6, Matrix6xX, SymmetricEigen, Vector6};
 use rayon::prelude::*;
 use std::collections::VecDeque;
 
 /// Nodes an aggregate aims at.
-const NODES: usize = 40;
-fn nodes_x() -> usize { std::env::var("NX").map_or(40, |s| s.parse().unwrap()) }
+const NODES: usize = 60;
 
 /// Relative squared size below which a motion of an aggregate counts as fixed, or as the same as another.
 const DEPENDENT: f64 = 1e-8;
@@ -23,14 +23,22 @@ const DEPENDENT: f64 = 1e-8;
 /// Marks nodes of no aggregate: those without unknowns.
 const NONE: u32 = u32::MAX;
 
+/// Combinations of the six rigid modes (translations, rotations), one a column.
+type Motions = Matrix6xX<f64>;
+
+/// An aggregate, and the stiffness between its rigid modes and another's.
+type Block = (u32, Matrix6<f64>);
+
 /// The coarse space, with its factorised matrix.
 pub(super) struct Coarse {
+    /// Aggregate of each node, [`NONE`] for those without unknowns.
+    aggregate_of: Vec<u32>,
     /// Nodes of each aggregate, ascending.
     aggregates: Vec<Vec<u32>>,
     /// Place of each node relative to the centroid of its aggregate, in units of the aggregate's size.
     arms: Vec<DVec3>,
-    /// For each aggregate the independent motions: rigid modes (translations, rotations) in the columns.
-    motions: Vec<nalgebra::Matrix6xX<f64>>,
+    /// The independent motions of each aggregate.
+    motions: Vec<Motions>,
     /// The first coarse unknown of each aggregate, and the number of all.
     first: Vec<usize>,
     factor: Factor,
@@ -42,31 +50,19 @@ impl Coarse {
     /// # Errors
     /// As the direct method's.
     pub fn new(system: &System) -> Result<Self, FemError> {
-        let points = &system.points;
         let aggregate_of = aggregate(system);
-        let mut aggregates = vec![Vec::new(); aggregate_of.iter().filter(|a| **a != NONE).max().map_or(0, |a| *a as usize + 1)];
-        for (i, &a) in aggregate_of.iter().enumerate().filter(|(_, a)| **a != NONE) {
-            aggregates[a as usize].push(i as u32);
-        }
-        let mut arms = vec![DVec3::ZERO; points.len()];
-        for nodes in &aggregates {
-            let position = |i: &u32| points[*i as usize];
-            let centroid = nodes.iter().map(position).sum::<DVec3>() / nodes.len() as f64;
-            let spread: f64 = nodes.iter().map(|i| (position(i) - centroid).length_squared()).sum();
-            let size = (spread / nodes.len() as f64).sqrt().max(f64::MIN_POSITIVE);
-            for i in nodes {
-                arms[*i as usize] = (position(i) - centroid) / size;
-            }
-        }
-        let motions: Vec<_> = aggregates.iter().map(|nodes| independent_motions(system, &arms, nodes)).collect();
+        let aggregates = members(&aggregate_of);
+        let arms = arms(&system.points, &aggregates);
+        let motions: Vec<Motions> =
+            aggregates.par_iter().map(|nodes| independent_motions(system, &arms, nodes)).collect();
         let mut first = vec![0];
-        first.extend(motions.iter().scan(0, |sum, m| {
-            *sum += m.ncols();
-            Some(*sum)
-        }));
-        let (lower, mut graph) = coarse_matrix(system, &aggregate_of, &aggregates, &arms, &motions, &first);
-        let factor = Analysis::new(lower, &mut graph, &first)?.factorise()?;
-        Ok(Self { aggregates, arms, motions, first, factor })
+        for m in &motions {
+            first.push(first[first.len() - 1] + m.ncols());
+        }
+        let rows: Vec<Vec<Block>> =
+            aggregates.par_iter().map(|nodes| coarse_row(system, &aggregate_of, nodes, &arms)).collect();
+        let factor = Analysis::new(coarse_matrix(&rows, &motions, &first), &mut graph(&rows), &first)?.factorise()?;
+        Ok(Self { aggregate_of, aggregates, arms, motions, first, factor })
     }
 
     /// Adds `P (P^T K P)^-1 P^T r` to `z`, for `r` that is zero at prescribed components.
@@ -75,26 +71,30 @@ impl Coarse {
             .aggregates
             .par_iter()
             .with_min_len(16)
-            .map(|nodes| nodes.iter().fold(Vector6::zeros(), |sum, &i| sum + resultant(self.arms[i as usize], r[i as usize])))
+            .map(|nodes| {
+                nodes.iter().fold(Vector6::zeros(), |sum, &i| sum + resultant(self.arms[i as usize], r[i as usize]))
+            })
             .collect();
         let mut x: Vec<f64> = Vec::with_capacity(self.first[self.first.len() - 1]);
         for (force, motions) in restricted.iter().zip(&self.motions) {
             x.extend(motions.column_iter().map(|m| m.dot(force)));
         }
         self.factor.solve(&mut x)?;
-        for (a, nodes) in self.aggregates.iter().enumerate() {
-            let mut q = Vector6::zeros();
-            for (m, x) in self.motions[a].column_iter().zip(&x[self.first[a]..]) {
-                q += *x * m;
+        let rigid: Vec<[DVec3; 2]> =
+            self.motions.iter().zip(&self.first).map(|(m, k)| combination(m, &x[*k..])).collect();
+        z.par_iter_mut().with_min_len(CHUNK).enumerate().for_each(|(i, z)| {
+            if let Some([shift, spin]) = rigid.get(self.aggregate_of[i] as usize) {
+                *z += mask[i] * (*shift + spin.cross(self.arms[i]));
             }
-            let (shift, spin) = (DVec3::new(q[0], q[1], q[2]), DVec3::new(q[3], q[4], q[5]));
-            for &i in nodes {
-                let i = i as usize;
-                z[i] += mask[i] * (shift + spin.cross(self.arms[i]));
-            }
-        }
+        });
         Ok(())
     }
+}
+
+/// Translation and rotation of an aggregate from its coarse unknowns, of which `x` holds at least as many as needed.
+fn combination(motions: &Motions, x: &[f64]) -> [DVec3; 2] {
+    let q: Vector6<f64> = motions.column_iter().zip(x).map(|(m, x)| *x * m).sum();
+    [DVec3::new(q[0], q[1], q[2]), DVec3::new(q[3], q[4], q[5])]
 }
 
 /// Force and moment of a nodal force.
@@ -109,7 +109,7 @@ fn modes(arm: DVec3) -> [DVec3; 6] {
 }
 
 /// Combinations of rigid modes that are orthonormal as vectors of the aggregate's unknowns.
-fn independent_motions(system: &System, arms: &[DVec3], nodes: &[u32]) -> nalgebra::Matrix6xX<f64> {
+fn independent_motions(system: &System, arms: &[DVec3], nodes: &[u32]) -> Motions {
     let mask = system.numbering.mask();
     let mut gram = Matrix6::zeros();
     for &i in nodes {
@@ -124,7 +124,7 @@ fn independent_motions(system: &System, arms: &[DVec3], nodes: &[u32]) -> nalgeb
         .filter(|&k| eigen.eigenvalues[k] > bound)
         .map(|k| eigen.eigenvectors.column(k) / eigen.eigenvalues[k].sqrt())
         .collect();
-    nalgebra::Matrix6xX::from_columns(&kept)
+    Motions::from_columns(&kept)
 }
 
 /// Gathers nodes with unknowns into connected aggregates, by breadth-first growth from the rim of those before.
@@ -146,14 +146,21 @@ fn aggregate(system: &System) -> Vec<u32> {
 }
 
 /// Grows aggregate `id` from a seed; its unclaimed neighbours become seeds. Returns its size.
-fn grow(system: &System, active: &[bool], seed: usize, id: u32, aggregate: &mut [u32], seeds: &mut VecDeque<usize>) -> usize {
+fn grow(
+    system: &System,
+    active: &[bool],
+    seed: usize,
+    id: u32,
+    aggregate: &mut [u32],
+    seeds: &mut VecDeque<usize>,
+) -> usize {
     let mut members = vec![seed];
     aggregate[seed] = id;
     let mut next = 0;
     while next < members.len() {
         for (j, _) in system.stiffness.row(members[next]) {
             if active[j] && aggregate[j] == NONE {
-                if members.len() < nodes_x() {
+                if members.len() < NODES {
                     aggregate[j] = id;
                     members.push(j);
                 } else {
@@ -166,9 +173,36 @@ fn grow(system: &System, active: &[bool], seed: usize, id: u32, aggregate: &mut 
     members.len()
 }
 
+/// Nodes of each aggregate, ascending.
+fn members(aggregate_of: &[u32]) -> Vec<Vec<u32>> {
+    let mut members: Vec<Vec<u32>> = Vec::new();
+    for (i, &a) in aggregate_of.iter().enumerate().filter(|(_, a)| **a != NONE) {
+        let a = a as usize;
+        members.resize(members.len().max(a + 1), Vec::new());
+        members[a].push(i as u32);
+    }
+    members
+}
+
+/// Places of the nodes relative to their aggregate's centroid, over its root mean square radius.
+fn arms(points: &[DVec3], aggregates: &[Vec<u32>]) -> Vec<DVec3> {
+    let mut arms = vec![DVec3::ZERO; points.len()];
+    for nodes in aggregates {
+        let count = nodes.len() as f64;
+        let centroid = nodes.iter().map(|i| points[*i as usize]).sum::<DVec3>() / count;
+        let spread: f64 = nodes.iter().map(|i| (points[*i as usize] - centroid).length_squared()).sum();
+        let radius = (spread / count).sqrt();
+        // A node alone has no radius: its rotations are found to be dependent.
+        for i in nodes.iter().filter(|_| radius > 0.0) {
+            arms[*i as usize] = (points[*i as usize] - centroid) / radius;
+        }
+    }
+    arms
+}
+
 /// Gives the nodes of small aggregates to the neighbouring aggregate with most links, and closes the gaps in the numbers.
 fn dissolve_small(system: &System, sizes: &[usize], aggregate: &mut [u32]) {
-    let large = |a: u32| a != NONE && sizes[a as usize] >= nodes_x() / 4;
+    let large = |a: u32| a != NONE && sizes[a as usize] >= NODES / 4;
     let old = aggregate.to_vec();
     for i in (0..old.len()).filter(|&i| old[i] != NONE && !large(old[i])) {
         let mut near: Vec<u32> = system.stiffness.row(i).map(|(j, _)| old[j]).filter(|a| large(*a)).collect();
@@ -184,27 +218,12 @@ fn dissolve_small(system: &System, sizes: &[usize], aggregate: &mut [u32]) {
     }
 }
 
-/// `P^T K P` and the graph of the aggregates.
-fn coarse_matrix(
-    system: &System,
-    aggregate_of: &[u32],
-    aggregates: &[Vec<u32>],
-    arms: &[DVec3],
-    motions: &[nalgebra::Matrix6xX<f64>],
-    first: &[usize],
-) -> (Lower, Graph) {
-    let rows: Vec<Vec<(u32, Matrix6<f64>)>> =
-        aggregates.par_iter().map(|nodes| coarse_row(system, aggregate_of, nodes, arms)).collect();
+/// The lower triangle of `P^T K P` from the blocks between rigid modes.
+fn coarse_matrix(rows: &[Vec<Block>], motions: &[Motions], first: &[usize]) -> Lower {
     let mut lower = Lower { starts: vec![0], rows: Vec::new(), values: Vec::new() };
-    let mut graph = Graph { starts: vec![0], neighbours: Vec::new() };
     for (a, row) in rows.iter().enumerate() {
-        graph.neighbours.extend(row.iter().filter(|(b, _)| *b as usize != a).map(|(b, _)| *b as i32));
-        graph.starts.push(graph.neighbours.len() as i32);
-        let blocks: Vec<_> = row
-            .iter()
-            .filter(|(b, _)| *b as usize >= a)
-            .map(|(b, block)| (*b as usize, motions[a].transpose() * block * &motions[*b as usize]))
-            .collect();
+        let upper = row.iter().map(|(b, block)| (*b as usize, block)).filter(|(b, _)| *b >= a);
+        let blocks: Vec<_> = upper.map(|(b, block)| (b, motions[a].transpose() * block * &motions[b])).collect();
         for p in 0..motions[a].ncols() {
             for (b, block) in &blocks {
                 for q in (0..block.ncols()).filter(|q| *b > a || *q >= p) {
@@ -215,13 +234,23 @@ fn coarse_matrix(
             lower.starts.push(lower.rows.len());
         }
     }
-    (lower, graph)
+    lower
+}
+
+/// Which aggregates are neighbours.
+fn graph(rows: &[Vec<Block>]) -> Graph {
+    let mut graph = Graph { starts: vec![0], neighbours: Vec::new() };
+    for (a, row) in rows.iter().enumerate() {
+        graph.neighbours.extend(row.iter().map(|(b, _)| *b as i32).filter(|b| *b != a as i32));
+        graph.starts.push(graph.neighbours.len() as i32);
+    }
+    graph
 }
 
 /// The 6x6 blocks between the rigid modes of one aggregate and those of its neighbours, ascending.
-fn coarse_row(system: &System, aggregate_of: &[u32], nodes: &[u32], arms: &[DVec3]) -> Vec<(u32, Matrix6<f64>)> {
+fn coarse_row(system: &System, aggregate_of: &[u32], nodes: &[u32], arms: &[DVec3]) -> Vec<Block> {
     let mask = system.numbering.mask();
-    let mut row: Vec<(u32, Matrix6<f64>)> = Vec::new();
+    let mut row: Vec<Block> = Vec::new();
     for &i in nodes {
         let i = i as usize;
         for (j, block) in system.stiffness.row(i).filter(|(j, _)| aggregate_of[*j] != NONE) {
@@ -238,4 +267,35 @@ fn coarse_row(system: &System, aggregate_of: &[u32], nodes: &[u32], arms: &[DVec
     }
     row.sort_unstable_by_key(|(b, _)| *b);
     row
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fem::{GroupId, Material, Model, Support, assemble};
+    use crate::mesh::generate::box_tets;
+
+    #[test]
+    fn correction_is_the_galerkin_projection() {
+        let mesh = box_tets([2.0, 1.0, 1.0], [12, 6, 6]).unwrap();
+        let support = |group, displacement| Support { name: String::new(), group: GroupId(group), displacement };
+        let supports = vec![support(0, [Some(0.0); 3]), support(4, [None, None, Some(0.0)])];
+        let materials = vec![Material { youngs_modulus: 2.0, poissons_ratio: 0.3, density: 0.0 }];
+        let system = assemble(&mesh, &Model { materials, supports, loads: vec![] }).unwrap();
+        let coarse = Coarse::new(&system).unwrap();
+        assert!(coarse.aggregates.len() > 5 && coarse.aggregates.iter().all(|nodes| nodes.len() >= NODES / 4));
+        let mask = system.numbering.mask();
+        let correct = |r: &[DVec3]| {
+            let mut z = vec![DVec3::ZERO; r.len()];
+            coarse.correct(mask, r, &mut z).unwrap();
+            z
+        };
+        // Corrections are rigid on each aggregate, so the correction of their own force is themselves.
+        let push: Vec<DVec3> = mesh.points().iter().zip(mask).map(|(x, m)| *m * (*x + DVec3::Y)).collect();
+        let z = correct(&push);
+        let force: Vec<DVec3> = system.stiffness.times(&z).iter().zip(mask).map(|(f, m)| *m * *f).collect();
+        let scale = z.iter().map(|z| z.length()).fold(0.0, f64::max);
+        assert!(scale > 0.0);
+        assert!(correct(&force).iter().zip(&z).all(|(a, b)| (*a - *b).length() < 1e-11 * scale));
+    }
 }
