@@ -5,7 +5,7 @@ use glam::DVec3;
 use subsolid::fem::options::{Method, SolverOptions};
 use subsolid::fem::{self, FemError, Load, LoadKind, Material, Model, Solution, Support};
 use subsolid::mesh::generate::box_tets;
-use subsolid::mesh::{GroupId, TetMesh};
+use subsolid::mesh::{GroupId, RegionId, TetMesh};
 use subsolid::subdiv::options::{Options, Scheme};
 use subsolid::subdiv::{self, History};
 
@@ -78,6 +78,28 @@ fn bar_in_tension_stretches_by_stress_times_length_over_e() {
             }
             assert!((solution.strain_energy - 0.5 * 49.0 / 1000.0 * 4.0).abs() < 1e-10);
             assert!((solution.reactions[0] + pull).length() < 1e-9);
+        }
+    }
+}
+
+#[test]
+fn bars_in_series_add_their_stretch() {
+    let mesh = box_tets([2.0, 1.0, 1.0], [6, 2, 2]).unwrap();
+    let soft: Vec<bool> =
+        (0..mesh.tets().len()).map(|t| mesh.cell_points(t).iter().map(|p| p.x).sum::<f64>() > 4.0).collect();
+    let mut parts = mesh.into_parts();
+    parts.regions = soft.iter().map(|s| RegionId(u16::from(*s))).collect();
+    parts.region_names = vec!["stiff".to_owned(), "soft".to_owned()];
+    let mesh = TetMesh::new(parts).unwrap();
+    let bar = |youngs_modulus| Material { youngs_modulus, poissons_ratio: 0.0, density: 0.0 };
+    let pull = LoadKind::Traction(group(&mesh, "x-max"), DVec3::new(6.0, 0.0, 0.0));
+    let materials = vec![bar(1000.0), bar(10.0)];
+    let model = Model { materials, supports: rollers(&mesh), loads: vec![load(pull)] };
+    for method in [Method::Direct, Method::Cg] {
+        let solution = analyse(&mesh, &model, method);
+        for (u, x) in solution.displacement.iter().zip(mesh.points()) {
+            let exact = 6.0 * (x.x.min(1.0) / 1000.0 + (x.x - 1.0).max(0.0) / 10.0);
+            assert!((*u - DVec3::new(exact, 0.0, 0.0)).length() < 1e-9, "{method:?}: {u} at {x}");
         }
     }
 }

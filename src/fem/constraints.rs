@@ -80,9 +80,8 @@ impl Body {
     }
 }
 
-/// A linear condition on rigid motions: six coefficients for one part, and for a joint six for another.
+/// A linear condition on rigid motions: six coefficients for a part, and for a joint six for another.
 struct Row {
-    part: u32,
     coefficients: [f64; 6],
     other: Option<(u32, [f64; 6])>,
 }
@@ -112,17 +111,20 @@ impl Bodies {
         Self { parts, part_at, joints }
     }
 
-    /// The conditions of the supports and joints.
-    fn constraint_rows(&self, mesh: &TetMesh, numbering: &Dofs) -> Vec<Row> {
+    /// The conditions of the supports and joints, by part; those of a joint with the first of its two.
+    fn constraint_rows(&self, mesh: &TetMesh, numbering: &Dofs) -> Vec<Vec<Row>> {
         let modes = |part: u32, v: u32, c: usize| self.parts[part as usize].modes(mesh.points()[v as usize], c);
-        let supports = numbering.prescribed().iter().map(|p| {
+        let mut rows: Vec<Vec<Row>> = self.parts.iter().map(|_| Vec::new()).collect();
+        for p in numbering.prescribed() {
             let part = self.part_at[p.node as usize];
-            Row { part, coefficients: modes(part, p.node, p.component as usize), other: None }
-        });
-        let joints = self.joints.iter().flat_map(|&(v, a, b)| {
-            (0..3).map(move |c| Row { part: a, coefficients: modes(a, v, c), other: Some((b, modes(b, v, c))) })
-        });
-        supports.chain(joints).collect()
+            let coefficients = modes(part, p.node, p.component as usize);
+            rows[part as usize].push(Row { coefficients, other: None });
+        }
+        for &(v, a, b) in &self.joints {
+            let row = |c| Row { coefficients: modes(a, v, c), other: Some((b, modes(b, v, c))) };
+            rows[a as usize].extend((0..3).map(row));
+        }
+        rows
     }
 
     /// Sets of parts connected by joints, ascending.
@@ -157,28 +159,19 @@ impl Bodies {
 }
 
 /// The motions of a cluster of parts that satisfy all conditions: orthonormal columns, six rows a part.
-fn free_motions(cluster: &[u32], rows: &[Row]) -> DMatrix<f64> {
+fn free_motions(cluster: &[u32], rows: &[Vec<Row>]) -> DMatrix<f64> {
     let size = 6 * cluster.len();
     let mut gram = DMatrix::<f64>::zeros(size, size);
-    let mut scatter = |place: usize, coefficients: &[f64; 6], other: Option<(usize, &[f64; 6])>| {
-        let mut full = DVector::<f64>::zeros(size);
-        full.rows_mut(6 * place, 6).copy_from_slice(coefficients);
-        if let Some((place, coefficients)) = other {
-            full.rows_mut(6 * place, 6).iter_mut().zip(coefficients).for_each(|(f, c)| *f = -c);
-        }
-        gram.ger(1.0, &full, &full, 1.0);
-    };
-    for row in rows {
-        let place = |part: u32| cluster.binary_search(&part).ok();
-        match (place(row.part), &row.other) {
-            (Some(own), None) => scatter(own, &row.coefficients, None),
-            (Some(own), Some((other, coefficients))) => {
+    for (own, &part) in cluster.iter().enumerate() {
+        for row in &rows[part as usize] {
+            let mut condition = DVector::<f64>::zeros(size);
+            condition.rows_mut(6 * own, 6).copy_from_slice(&row.coefficients);
+            if let Some((other, coefficients)) = &row.other {
                 // A joint to a part examined elsewhere (see MAX_COUPLED) is no condition here.
-                if let Some(other) = place(*other) {
-                    scatter(own, &row.coefficients, Some((other, coefficients)));
-                }
+                let Ok(place) = cluster.binary_search(other) else { continue };
+                condition.rows_mut(6 * place, 6).iter_mut().zip(coefficients).for_each(|(f, c)| *f = -c);
             }
-            (None, _) => {}
+            gram.ger(1.0, &condition, &condition, 1.0);
         }
     }
     let eigen = SymmetricEigen::new(gram);
