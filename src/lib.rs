@@ -4,9 +4,12 @@
 //! estimate, subdivision, mesh again, output. Each stage is a function from values to values.
 
 pub mod adapt;
+pub mod error;
 pub mod fem;
 pub mod mesh;
 pub mod output;
 pub mod pipeline;
 pub mod scenario;
 pub mod subdiv;
+
+pub use error::Error;

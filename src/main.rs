@@ -1,2 +1,129 @@
-//! The command line of Subsolid.
-fn main() {}
+//! The command line of Subsolid: arguments -> a command -> an exit code.
+
+mod cli;
+
+use clap::{CommandFactory as _, Parser as _};
+use cli::{Cli, Command, Common, ScenarioOptions};
+use peak_alloc::PeakAlloc;
+use std::collections::BTreeSet;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use subsolid::Error;
+use subsolid::pipeline::inspect::{Inspection, inspect};
+use subsolid::pipeline::subdivide::{Subdivision, subdivide};
+use subsolid::pipeline::{MemoryProbe, RunOptions, check, compare, run};
+use subsolid::scenario::Scenario;
+use subsolid::subdiv::options::Options;
+
+#[global_allocator]
+static ALLOCATOR: PeakAlloc = PeakAlloc;
+
+const MEMORY: MemoryProbe = MemoryProbe { reset: || ALLOCATOR.reset_peak_usage(), peak: || ALLOCATOR.peak_usage() };
+
+fn main() -> ExitCode {
+    match Cli::parse().command {
+        Command::Run { scenarios, common, scenario_options } => run_all(&scenarios, &common, &scenario_options),
+        Command::Compare { scenario, repeat, common, scenario_options } => {
+            one(&scenario, &common, &scenario_options, |s, o| compare::compare(s, o, repeat.into()).map(drop))
+        }
+        Command::Check { scenario, common, scenario_options } => {
+            one(&scenario, &common, &scenario_options, check::check)
+        }
+        Command::Subdivide { mesh, scheme, steps, feature_angle, boundary, output, common } => {
+            set_threads(&common);
+            let options = Options { scheme: scheme.into(), boundary: boundary.into(), ..Options::default() };
+            let Common { quiet, json, .. } = common;
+            let steps = steps.into();
+            finish(subdivide(&Subdivision { mesh, options, steps, feature_angle, output, quiet, json }).map(drop))
+        }
+        Command::Inspect { mesh, feature_angle, common } => {
+            set_threads(&common);
+            let Common { quiet, json, .. } = common;
+            finish(inspect(&Inspection { mesh, feature_angle, quiet, json }))
+        }
+        Command::Completions { shell } => completions(shell),
+    }
+}
+
+/// Runs all scenarios, whether or not one fails; the code is that of the first failure.
+fn run_all(scenarios: &[PathBuf], common: &Common, options: &ScenarioOptions) -> ExitCode {
+    if scenarios.len() > 1 {
+        refuse_shared_files(scenarios, common);
+    }
+    set_threads(common);
+    let mut first_failure = None;
+    for path in scenarios {
+        let mut run_options = run_options(common, options);
+        if scenarios.len() > 1 {
+            run_options.output =
+                options.output.as_ref().map(|folder| folder.join(path.file_stem().unwrap_or_default()));
+        }
+        if let Err(error) = read_and(path, options, &run_options, |s, o| run::run(s, o).map(drop)) {
+            let code = report(error);
+            first_failure.get_or_insert(code);
+        }
+    }
+    first_failure.unwrap_or(ExitCode::SUCCESS)
+}
+
+/// Ends with a usage error if several scenarios would write the same files.
+fn refuse_shared_files(scenarios: &[PathBuf], common: &Common) {
+    let refuse = |message: String| Cli::command().error(clap::error::ErrorKind::ArgumentConflict, message).exit();
+    if common.json.is_some() {
+        refuse("--json names one file: run one scenario at a time with it".to_owned());
+    }
+    let mut names = BTreeSet::new();
+    if let Some(twin) = scenarios.iter().find(|s| !names.insert(s.file_stem())) {
+        refuse(format!("two scenarios are called {}: their results would share a folder", twin.display()));
+    }
+}
+
+fn one(
+    path: &Path,
+    common: &Common,
+    options: &ScenarioOptions,
+    command: impl FnOnce(&Scenario, &RunOptions) -> Result<(), Error>,
+) -> ExitCode {
+    set_threads(common);
+    finish(read_and(path, options, &run_options(common, options), command))
+}
+
+fn read_and(
+    path: &Path,
+    options: &ScenarioOptions,
+    run_options: &RunOptions,
+    command: impl FnOnce(&Scenario, &RunOptions) -> Result<(), Error>,
+) -> Result<(), Error> {
+    command(&Scenario::from_file(path, &options.set)?, run_options)
+}
+
+fn run_options(common: &Common, options: &ScenarioOptions) -> RunOptions {
+    let (output, json) = (options.output.clone(), common.json.clone());
+    RunOptions { output, quiet: common.quiet, json, memory: MEMORY }
+}
+
+fn set_threads(common: &Common) {
+    if let Some(n) = common.threads {
+        // Fails only if the pool exists already, which nothing before this call makes.
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(n.into()).build_global();
+    }
+}
+
+fn finish(result: Result<(), Error>) -> ExitCode {
+    result.map_or_else(report, |()| ExitCode::SUCCESS)
+}
+
+/// Prints an error and gives its code.
+fn report(error: Error) -> ExitCode {
+    let code = error.exit_code();
+    // With standard error closed there is nobody left to tell.
+    let _ = writeln!(std::io::stderr(), "{:?}", miette::Report::new(error));
+    ExitCode::from(code)
+}
+
+fn completions(shell: clap_complete::Shell) -> ExitCode {
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Cli::command(), "subsolid", &mut script);
+    finish(subsolid::pipeline::print(&String::from_utf8_lossy(&script)))
+}

@@ -3,7 +3,8 @@
 use glam::DVec3;
 use std::path::PathBuf;
 
-/// The entity an error is about: a cell with its vertices (indices from 0).
+/// The entity an error is about: a cell with its vertices. Indices from 0; where a file is being read, the ids that the
+/// file gives its elements and nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Victim {
     /// Cell index.
@@ -26,7 +27,7 @@ impl std::fmt::Display for Victim {
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum MeshError {
     /// The file cannot be opened or read.
-    #[error("cannot read mesh {path}: {source}", path = path.display())]
+    #[error("cannot read mesh {path}", path = path.display())]
     #[diagnostic(help("{help}"))]
     Unreadable {
         /// The file asked for.
@@ -86,7 +87,7 @@ pub enum MeshError {
     #[error("{0} repeats a vertex")]
     RepeatedVertex(Victim),
     /// Cells without positive volume.
-    #[error("{worst}: volume {volume:.3e} is not positive ({count} such cells)")]
+    #[error("{worst}: volume {volume:.3e} is not positive beyond rounding ({count} such cells)")]
     #[diagnostic(help("the worst cell is named; repair the mesh (Gmsh: Mesh.Optimize) or its node order"))]
     NotPositive {
         /// The cell with the smallest volume.
@@ -100,7 +101,7 @@ pub enum MeshError {
     #[error("face {vertices:?} is shared by {count} cells: {cells:?}")]
     #[diagnostic(help("each face may have one or two cells; look for duplicated or overlapping cells"))]
     OvercrowdedFace {
-        /// Sorted vertices of the face.
+        /// Vertices of the face; as [`Victim`], these and the cells are ids where a file is being read.
         vertices: [u32; 3],
         /// How many cells share it.
         count: usize,

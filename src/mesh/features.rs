@@ -5,14 +5,16 @@ use glam::DVec3;
 
 /// The mesh with its creases found: every boundary edge whose outward normals differ by more than `angle` degrees
 /// (strictly), every edge with other than two boundary faces, every edge in `tagged`, and every edge between different
-/// patches. All but the last kind are features.
+/// patches or regions. All but the last kind are features.
 #[must_use]
 pub fn with_creases(mesh: TetMesh, angle: f64, tagged: &[[u32; 2]]) -> TetMesh {
+    let cells = topology::boundary_cells(mesh.tets());
+    let tag = |i: usize| (mesh.faces()[i].patch, mesh.regions()[cells[i] as usize]);
     let mut creases: Vec<Crease> = boundary_edges(mesh.faces())
         .into_iter()
         .filter_map(|(vertices, faces)| {
             let feature = !matches!(faces[..], [f, g] if angle_between(&mesh, f, g) <= angle);
-            let border = faces.iter().any(|f| f.patch != faces[0].patch);
+            let border = faces.iter().any(|&f| tag(f) != tag(faces[0]));
             (feature || border).then_some(Crease { vertices, feature })
         })
         .collect();
@@ -23,21 +25,21 @@ pub fn with_creases(mesh: TetMesh, angle: f64, tagged: &[[u32; 2]]) -> TetMesh {
     mesh.replace_creases(creases)
 }
 
-/// The edges of the boundary with the faces at each, sorted by vertices.
+/// The edges of the boundary, sorted by vertices, with the indices of the faces at each.
 #[must_use]
-pub fn boundary_edges(faces: &[Face]) -> Vec<([u32; 2], Vec<Face>)> {
+pub fn boundary_edges(faces: &[Face]) -> Vec<([u32; 2], Vec<usize>)> {
     let mut uses: Vec<([u32; 2], usize)> = Vec::with_capacity(3 * faces.len());
     for (i, f) in faces.iter().enumerate() {
         let [a, b, c] = f.vertices;
         uses.extend([[a, b], [b, c], [c, a]].map(|e| (topology::sorted2(e), i)));
     }
     uses.sort_unstable();
-    uses.chunk_by(|a, b| a.0 == b.0).map(|same| (same[0].0, same.iter().map(|u| faces[u.1]).collect())).collect()
+    uses.chunk_by(|a, b| a.0 == b.0).map(|same| (same[0].0, same.iter().map(|u| u.1).collect())).collect()
 }
 
 /// Angle in degrees between the outward normals of two faces.
-fn angle_between(mesh: &TetMesh, f: Face, g: Face) -> f64 {
-    let [m, n] = [f, g].map(|face| face_normal(mesh.points(), face.vertices));
+fn angle_between(mesh: &TetMesh, f: usize, g: usize) -> f64 {
+    let [m, n] = [f, g].map(|i| face_normal(mesh.points(), mesh.faces()[i].vertices));
     m.cross(n).length().atan2(m.dot(n)).to_degrees()
 }
 

@@ -9,6 +9,13 @@ pub fn volume([a, b, c, d]: [DVec3; 4]) -> f64 {
     (b - a).cross(c - a).dot(d - a) / 6.0
 }
 
+/// Whether the volume is positive by more than rounding: above 1e-14 of the cube of the longest edge.
+#[must_use]
+pub fn is_positive(p: [DVec3; 4]) -> bool {
+    let longest = EDGES.iter().map(|&[i, j]| p[i].distance_squared(p[j])).fold(0.0, f64::max).sqrt();
+    volume(p) > 1e-14 * longest.powi(3)
+}
+
 /// Vertex pairs of the six edges of a tetrahedron; edge `i` is opposite to edge `5 - i`.
 pub const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 

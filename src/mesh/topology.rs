@@ -2,6 +2,7 @@
 
 use super::{Crease, Face, MeshError, Victim, quality};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// The three indices in ascending order.
 #[must_use]
@@ -48,7 +49,8 @@ fn face_uses(tets: &[[u32; 4]]) -> Vec<FaceUse> {
             uses.push((sorted3(f), t as u32, i as u8));
         }
     }
-    uses.sort_unstable();
+    // No two uses are equal, so the order does not depend on the number of threads.
+    uses.par_sort_unstable();
     uses
 }
 
@@ -60,6 +62,12 @@ pub fn boundary_faces(tets: &[[u32; 4]]) -> Vec<[u32; 3]> {
         .filter(|same| same.len() == 1)
         .map(|same| tet_faces(tets[same[0].1 as usize])[same[0].2 as usize])
         .collect()
+}
+
+/// The cell of each boundary face, in the order of [`boundary_faces`] and of [`super::TetMesh::faces`].
+#[must_use]
+pub fn boundary_cells(tets: &[[u32; 4]]) -> Vec<u32> {
+    face_uses(tets).chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1).map(|same| same[0].1).collect()
 }
 
 /// For each cell the neighbour across the face opposite to each vertex; `None` at the boundary.
@@ -156,10 +164,11 @@ pub(super) fn check_cells(points: &[DVec3], tets: &[[u32; 4]]) -> Result<(), Mes
     Ok(())
 }
 
-/// Checks that every cell has a positive volume; names the worst.
+/// Checks that every cell has a positive volume ([`quality::is_positive`]); names the worst.
 pub(super) fn check_volumes(points: &[DVec3], tets: &[[u32; 4]]) -> Result<(), MeshError> {
-    let volume = |cell: usize| quality::volume(tets[cell].map(|v| points[v as usize]));
-    let bad: Vec<usize> = (0..tets.len()).filter(|&t| volume(t) <= 0.0).collect();
+    let corners = |cell: usize| tets[cell].map(|v| points[v as usize]);
+    let volume = |cell: usize| quality::volume(corners(cell));
+    let bad: Vec<usize> = (0..tets.len()).filter(|&t| !quality::is_positive(corners(t))).collect();
     let worst = bad.iter().copied().min_by(|&a, &b| volume(a).total_cmp(&volume(b)));
     match worst {
         None => Ok(()),

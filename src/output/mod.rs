@@ -1,1 +1,17 @@
 //! What people and other programs read: VTK files, reports, tables, plots.
+//!
+//! Sees meshes, and fields as plain slices. Every file is written through [`atomic::write_atomic`]; the same values give
+//! the same bytes.
+
+pub mod atomic;
+pub mod compare;
+mod error;
+pub mod options;
+pub mod plot;
+pub mod progress;
+pub mod pvd;
+pub mod report;
+pub mod table;
+pub mod vtk;
+
+pub use error::OutputError;

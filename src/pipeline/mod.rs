@@ -1,1 +1,76 @@
 //! The commands; the only room that sees every stage.
+
+mod analyse;
+pub mod check;
+pub mod compare;
+mod hints;
+pub mod inspect;
+pub mod load;
+mod loading;
+mod model_error;
+pub mod resolve;
+mod results;
+pub mod run;
+pub mod select;
+mod simulate;
+pub mod subdivide;
+
+pub use model_error::ModelError;
+
+use crate::error::Error;
+use crate::scenario::Scenario;
+use comfy_table::{CellAlignment, LineStyle, Table, presets};
+use std::io::{ErrorKind, Write as _};
+use std::path::PathBuf;
+
+/// Reads the memory counter of the program that calls the library.
+#[derive(Debug, Clone, Copy)]
+pub struct MemoryProbe {
+    /// Lets the peak start again from what is in use.
+    pub reset: fn(),
+    /// Largest number of bytes in use since the last reset.
+    pub peak: fn() -> usize,
+}
+
+/// What the command line says about a run.
+#[derive(Debug, Clone)]
+pub struct RunOptions {
+    /// Folder of the results; `results/<name of the scenario>` if absent.
+    pub output: Option<PathBuf>,
+    /// Print errors only.
+    pub quiet: bool,
+    /// Further file for the report.
+    pub json: Option<PathBuf>,
+    /// The memory counter.
+    pub memory: MemoryProbe,
+}
+
+impl RunOptions {
+    /// The folder of a scenario's results.
+    #[must_use]
+    pub fn folder(&self, scenario: &Scenario) -> PathBuf {
+        self.output.clone().unwrap_or_else(|| PathBuf::from("results").join(scenario.name()))
+    }
+}
+
+/// Prints to standard output. A reader that has gone away (`subsolid ... | head`) is no error: files are still written.
+///
+/// # Errors
+/// [`Error::Print`] for other failures.
+pub fn print(text: &str) -> Result<(), Error> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Error::Print(e)),
+        _ => Ok(()),
+    }
+}
+
+/// An empty table in the style of all of them.
+fn table(header: &[&str]) -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none())).set_header(header);
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table
+}

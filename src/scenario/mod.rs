@@ -1,1 +1,245 @@
 //! Scenarios: TOML text in, a checked [`Scenario`] out. Sees the plain choices of the other rooms, no numerics.
+//!
+//! Three stages: the document (text, overrides, spans), the keys as written (names and types), the checked values.
+
+mod check;
+mod document;
+mod error;
+mod numbers;
+mod raw;
+mod selector;
+pub mod suggest;
+mod translate;
+
+pub use error::{Invalid, ScenarioError};
+pub use selector::Selector;
+
+use crate::adapt::options::{Estimator, Marking};
+use crate::fem::options::SolverOptions;
+use crate::output::options::{Compression, Published};
+use crate::subdiv::options::Options;
+use glam::DVec3;
+use serde::Deserialize as _;
+use std::path::{Path, PathBuf};
+
+/// What to compute, checked as far as that is possible without the mesh.
+#[derive(Debug, Clone)]
+pub struct Scenario {
+    /// The file it was read from.
+    pub path: PathBuf,
+    /// The folder of that file, where mesh files are looked for first.
+    pub directory: PathBuf,
+    /// The text of the file, to be copied beside the results.
+    pub text: String,
+    /// Overrides `key.path=value` that were applied to the text.
+    pub overrides: Vec<String>,
+    /// `title`; the file's name without `.toml` if absent.
+    pub title: String,
+    /// `[mesh]`.
+    pub mesh: MeshSource,
+    /// `[features]`.
+    pub features: Features,
+    /// `[materials.<name>]`, sorted by name.
+    pub materials: Vec<Material>,
+    /// `[supports.<name>]`, sorted by name.
+    pub supports: Vec<Support>,
+    /// `[loads.<name>]`, sorted by name.
+    pub loads: Vec<Load>,
+    /// `[refine]`.
+    pub refine: Refine,
+    /// `[adapt]`.
+    pub adapt: Adapt,
+    /// `[solver]`.
+    pub solver: SolverOptions,
+    /// `[output]`.
+    pub output: Output,
+    /// `[published]`.
+    pub published: Option<Published>,
+    /// What is allowed but deserves a word.
+    pub warnings: Vec<String>,
+}
+
+/// Where the mesh comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MeshSource {
+    /// A file, as written in the scenario.
+    File(PathBuf),
+    /// A box with one corner at the origin.
+    Box {
+        /// Edge lengths.
+        size: [f64; 3],
+        /// Cells along each edge, before each is cut into tetrahedra.
+        cells: [usize; 3],
+    },
+}
+
+/// Edges and corners that subdivision keeps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Features {
+    /// A boundary edge is a feature if its faces' normals differ by more than this angle, in degrees.
+    pub angle: f64,
+    /// Further feature edges. Vertices are numbered from 0 in the order of the mesh the run starts from (the point ids
+    /// of `step_000.vtu`).
+    pub edges: Vec<[u32; 2]>,
+    /// Vertices that never move, numbered likewise.
+    pub corners: Vec<u32>,
+}
+
+/// A linear-elastic material.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    /// Name of its table.
+    pub name: String,
+    /// Where it is written: `file:line:column`, or the override.
+    pub place: String,
+    /// Young's modulus, force per area.
+    pub youngs_modulus: f64,
+    /// Poisson's ratio, in (-1, 1/2).
+    pub poissons_ratio: f64,
+    /// Mass per volume, needed for gravity.
+    pub density: Option<f64>,
+    /// The region it fills; all regions that no other material names if absent.
+    pub group: Option<String>,
+}
+
+/// Prescribed displacements.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Support {
+    /// Name of its table.
+    pub name: String,
+    /// Where it is written.
+    pub place: String,
+    /// The boundary faces it acts on.
+    pub selector: Selector,
+    /// Prescribed displacement in x, y, z; `None` where free.
+    pub displacement: [Option<f64>; 3],
+}
+
+/// A load.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Load {
+    /// Name of its table.
+    pub name: String,
+    /// Where it is written.
+    pub place: String,
+    /// What acts where.
+    pub kind: LoadKind,
+}
+
+/// What a load does.
+#[derive(Debug, Clone, PartialEq)]
+pub enum LoadKind {
+    /// Force per area.
+    Traction(Selector, DVec3),
+    /// Force per area against the outward normal.
+    Pressure(Selector, f64),
+    /// Total force, spread evenly over the area.
+    Force(Selector, DVec3),
+    /// Acceleration of all cells.
+    Gravity(DVec3),
+}
+
+/// Which cells are refined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Strategy {
+    /// Those the error estimate asks for.
+    Adaptive,
+    /// All.
+    Global,
+    /// None: the input mesh is solved and that is all.
+    None,
+}
+
+/// How refinement proceeds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refine {
+    /// Which cells.
+    pub strategy: Strategy,
+    /// Refinement steps at most; not looked at under [`Strategy::None`].
+    pub steps: usize,
+    /// Scheme, boundary rule, passes.
+    pub options: Options,
+    /// When to stop before the last step.
+    pub stop: Stop,
+}
+
+/// Rules that end a run early; each may be absent.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Stop {
+    /// Estimated relative error to reach, in (0, 1).
+    pub relative_error: Option<f64>,
+    /// No refinement of a mesh with this many cells or more.
+    pub max_cells: Option<usize>,
+    /// Bytes.
+    pub max_memory: Option<u64>,
+    /// Seconds since the run began.
+    pub seconds: Option<f64>,
+}
+
+/// How cells are chosen for refinement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Adapt {
+    /// How the error is estimated.
+    pub estimator: Estimator,
+    /// Which cells are marked.
+    pub marking: Marking,
+    /// Rings of neighbours added to the marked cells.
+    pub grow: usize,
+}
+
+/// What a run writes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Output {
+    /// VTK files of each step.
+    pub vtk: bool,
+    /// `report.json`.
+    pub report: bool,
+    /// Compression of the VTK files.
+    pub compression: Compression,
+}
+
+impl Scenario {
+    /// Reads a file and applies overrides `key.path=value` (the value is TOML, else a bare string).
+    ///
+    /// # Errors
+    /// [`ScenarioError::Unreadable`], or the first fault with its place, key and remedy.
+    pub fn from_file(path: &Path, overrides: &[String]) -> Result<Self, ScenarioError> {
+        let text = std::fs::read_to_string(path).map_err(|source| {
+            let help = match source.kind() {
+                std::io::ErrorKind::InvalidData => "a scenario is a TOML file in UTF-8".to_owned(),
+                _ => "give the path of a scenario, such as scenarios/bracket.toml".to_owned(),
+            };
+            ScenarioError::Unreadable { path: path.to_owned(), source, help }
+        })?;
+        Self::from_text(&text, path, overrides)
+    }
+
+    /// As [`Scenario::from_file`] with the text at hand; `path` is the file it counts as.
+    ///
+    /// # Errors
+    /// As [`Scenario::from_file`].
+    pub fn from_text(text: &str, path: &Path, overrides: &[String]) -> Result<Self, ScenarioError> {
+        let sources =
+            document::Sources::new(&path.display().to_string(), text, overrides).map_err(ScenarioError::Invalid)?;
+        let document = sources.parse().map_err(ScenarioError::Invalid)?;
+        let invalid = |fault| ScenarioError::Invalid(document.explain(fault));
+        let raw = raw::RawScenario::deserialize(toml::Deserializer::from(document.root().clone()))
+            .map_err(|e| invalid(translate::fault(&e, &document)))?;
+        let mut scenario = check::scenario(raw, &document).map_err(invalid)?;
+        scenario.path = path.to_owned();
+        scenario.directory = path.parent().map(Path::to_owned).unwrap_or_default();
+        scenario.text = text.to_owned();
+        scenario.overrides = overrides.to_vec();
+        if scenario.title.is_empty() {
+            scenario.title = scenario.name();
+        }
+        Ok(scenario)
+    }
+
+    /// The file's name without its extension; names the folder of the results.
+    #[must_use]
+    pub fn name(&self) -> String {
+        self.path.file_stem().map_or_else(|| "scenario".to_owned(), |s| s.to_string_lossy().into_owned())
+    }
+}

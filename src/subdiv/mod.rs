@@ -1,7 +1,9 @@
 //! Subdivision: a mesh and a selection of its cells in, a finer mesh out. Knows no physics.
 
+mod improve;
 pub mod options;
 mod red;
+mod solid;
 mod sqrt3;
 
 use crate::mesh::{MeshError, TetMesh};

@@ -1,0 +1,128 @@
+//! Error estimation by recovery: a continuous stress s* is made of the constant stresses s_h of the cells, and their
+//! difference stands for the error.
+//!
+//! eta_K^2 = int_K (s* - s_h) : C^-1 : (s* - s_h). With s* linear on K and d_i the difference at vertex i this is
+//! V/20 (sum_i d_i : C^-1 : d_i + (sum_i d_i) : C^-1 : (sum_i d_i)), exactly.
+//!
+//! Where regions meet, stress is recovered for each region alone: across materials it may jump.
+
+mod averaging;
+mod patches;
+mod spr;
+#[cfg(test)]
+mod tests;
+
+use super::options::Estimator;
+use crate::fem::{Material, SymTensor};
+use crate::mesh::TetMesh;
+use patches::Patches;
+use rayon::prelude::*;
+
+/// The estimated error of each cell, and the stress recovered on the way.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CellErrors {
+    /// eta_K^2 for each cell: approximates a(e, e) on the cell (twice the energy of the error).
+    pub squared: Vec<f64>,
+    /// Recovered stress at each vertex; where regions meet, the mean of theirs weighted by their volumes around it. For
+    /// output. Zero at a vertex without cells.
+    pub nodal_stress: Vec<SymTensor>,
+}
+
+impl CellErrors {
+    /// eta = sqrt(sum eta_K^2), the estimated error in the energy norm sqrt(a(e, e)).
+    #[must_use]
+    pub fn energy(&self) -> f64 {
+        self.squared.iter().sum::<f64>().sqrt()
+    }
+
+    /// eta / sqrt(2 U + eta^2) with the strain energy U = u.K.u / 2 of the solution; 0 where nothing is strained.
+    #[must_use]
+    pub fn relative(&self, strain_energy: f64) -> f64 {
+        let eta = self.energy();
+        let whole = (2.0 * strain_energy + eta * eta).sqrt();
+        if whole > 0.0 { eta / whole } else { 0.0 }
+    }
+}
+
+/// Estimates the error of each cell from the stresses of the cells (`stress[t]`, constant on cell `t`).
+///
+/// `materials` has one entry a region, `stress` one a cell.
+#[must_use]
+pub fn estimate(mesh: &TetMesh, materials: &[Material], stress: &[SymTensor], estimator: Estimator) -> CellErrors {
+    let patches = Patches::new(mesh);
+    let volumes: Vec<f64> = (0..mesh.tets().len()).map(|t| mesh.cell_volume(t)).collect();
+    let field = Field { mesh, stress, volumes: &volumes };
+    let recovered: Vec<SymTensor> = (0..patches.len())
+        .into_par_iter()
+        .map(|p| match estimator {
+            Estimator::Spr => spr::recover(&field, patches.vertex(p), patches.cells(p)),
+            Estimator::Averaging => averaging::recover(&field, patches.cells(p)),
+        })
+        .collect();
+    let squared = (0..stress.len())
+        .into_par_iter()
+        .map(|t| {
+            let material = &materials[mesh.regions()[t].0 as usize];
+            let differences = patches.of_cell(t).map(|p| minus(&recovered[p as usize], &stress[t]));
+            squared_error(material, volumes[t], &differences)
+        })
+        .collect();
+    CellErrors { squared, nodal_stress: nodal_stress(&field, &patches, &recovered) }
+}
+
+/// A stress that is constant on each cell.
+struct Field<'a> {
+    mesh: &'a TetMesh,
+    stress: &'a [SymTensor],
+    volumes: &'a [f64],
+}
+
+impl Field<'_> {
+    fn volume_of(&self, cells: &[u32]) -> f64 {
+        cells.iter().map(|&t| self.volumes[t as usize]).sum()
+    }
+}
+
+fn minus(a: &SymTensor, b: &SymTensor) -> SymTensor {
+    std::array::from_fn(|i| a[i] - b[i])
+}
+
+/// `sum += weight * s`.
+fn add_scaled(sum: &mut SymTensor, weight: f64, s: &SymTensor) {
+    for (total, x) in sum.iter_mut().zip(s) {
+        *total += weight * x;
+    }
+}
+
+/// s : C^-1 : s = ((1 + nu) s : s - nu (tr s)^2) / E.
+fn complementary(material: &Material, s: &SymTensor) -> f64 {
+    let [xx, yy, zz, xy, yz, xz] = *s;
+    let trace = xx + yy + zz;
+    let product = xx * xx + yy * yy + zz * zz + 2.0 * (xy * xy + yz * yz + xz * xz);
+    let nu = material.poissons_ratio;
+    ((1.0 + nu) * product - nu * trace * trace) / material.youngs_modulus
+}
+
+/// Integral of the complementary product of the linear field with these values at the vertices.
+fn squared_error(material: &Material, volume: f64, differences: &[SymTensor; 4]) -> f64 {
+    let mut sum = [0.0; 6];
+    differences.iter().for_each(|d| add_scaled(&mut sum, 1.0, d));
+    let squares: f64 = differences.iter().map(|d| complementary(material, d)).sum();
+    // Rounding may leave less than nothing where all differences vanish but for their trace at nu near 1/2.
+    (volume / 20.0 * (squares + complementary(material, &sum))).max(0.0)
+}
+
+/// One stress a vertex: the mean over the regions there, weighted by volume.
+fn nodal_stress(field: &Field, patches: &Patches, recovered: &[SymTensor]) -> Vec<SymTensor> {
+    let count = field.mesh.points().len();
+    let (mut sums, mut weights) = (vec![[0.0; 6]; count], vec![0.0; count]);
+    for (p, stress) in recovered.iter().enumerate() {
+        let (vertex, volume) = (patches.vertex(p) as usize, field.volume_of(patches.cells(p)));
+        add_scaled(&mut sums[vertex], volume, stress);
+        weights[vertex] += volume;
+    }
+    for (sum, weight) in sums.iter_mut().zip(weights).filter(|(_, weight)| *weight > 0.0) {
+        *sum = sum.map(|x| x / weight);
+    }
+    sums
+}

@@ -1,0 +1,65 @@
+//! Patches: the cells of one region around one vertex.
+
+use crate::mesh::{TetMesh, topology::VertexCells};
+
+/// All patches of a mesh, ordered by vertex and region.
+pub(super) struct Patches {
+    vertices: Vec<u32>,
+    /// The cells of patch `p` are `cells[starts[p]..starts[p + 1]]`.
+    starts: Vec<u32>,
+    cells: Vec<u32>,
+    /// The patch at each vertex of each cell.
+    of_cell: Vec<[u32; 4]>,
+}
+
+impl Patches {
+    pub(super) fn new(mesh: &TetMesh) -> Self {
+        let around = VertexCells::new(mesh.points().len(), mesh.tets());
+        let mut patches = Self {
+            vertices: Vec::with_capacity(mesh.points().len()),
+            starts: vec![0],
+            cells: Vec::with_capacity(4 * mesh.tets().len()),
+            of_cell: vec![[0; 4]; mesh.tets().len()],
+        };
+        let region = |t: u32| mesh.regions()[t as usize];
+        let mut cells = Vec::new();
+        for v in 0..mesh.points().len() as u32 {
+            cells.clear();
+            cells.extend_from_slice(around.at(v));
+            cells.sort_by_key(|&t| region(t));
+            for same in cells.chunk_by(|&t, &u| region(t) == region(u)) {
+                patches.push(mesh, v, same);
+            }
+        }
+        patches
+    }
+
+    fn push(&mut self, mesh: &TetMesh, vertex: u32, cells: &[u32]) {
+        let patch = self.vertices.len() as u32;
+        for &t in cells {
+            let corners = mesh.tets()[t as usize].iter().zip(&mut self.of_cell[t as usize]);
+            corners.filter(|(v, _)| **v == vertex).for_each(|(_, p)| *p = patch);
+        }
+        self.vertices.push(vertex);
+        self.cells.extend_from_slice(cells);
+        self.starts.push(self.cells.len() as u32);
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.vertices.len()
+    }
+
+    pub(super) fn vertex(&self, patch: usize) -> u32 {
+        self.vertices[patch]
+    }
+
+    /// Ascending.
+    pub(super) fn cells(&self, patch: usize) -> &[u32] {
+        &self.cells[self.starts[patch] as usize..self.starts[patch + 1] as usize]
+    }
+
+    /// The patch at each vertex of cell `t`, of its own region.
+    pub(super) fn of_cell(&self, t: usize) -> [u32; 4] {
+        self.of_cell[t]
+    }
+}

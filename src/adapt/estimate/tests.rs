@@ -1,0 +1,218 @@
+//! Properties of the estimator: what it must not see, what it must see, and how it scales.
+
+use super::*;
+use crate::mesh::generate::box_tets;
+use crate::mesh::{RegionId, TetMesh};
+use glam::DVec3;
+use proptest::prelude::*;
+
+const STEEL: Material = Material { youngs_modulus: 210.0, poissons_ratio: 0.3, density: 0.0 };
+const BOTH: [Estimator; 2] = [Estimator::Spr, Estimator::Averaging];
+
+/// The mean of a linear stress on each cell: its value at the centroid.
+fn sample(mesh: &TetMesh, stress: impl Fn(DVec3) -> SymTensor) -> Vec<SymTensor> {
+    (0..mesh.tets().len()).map(|t| stress(mesh.cell_points(t).into_iter().sum::<DVec3>() / 4.0)).collect()
+}
+
+fn linear(p: DVec3) -> SymTensor {
+    [1.0 + p.x, 2.0 - 3.0 * p.y, p.x + p.z, 4.0 * p.z, 0.5 * p.x - p.y, 2.0]
+}
+
+fn kinked(p: DVec3) -> SymTensor {
+    [(p.x - 0.5).abs(), 0.0, 0.0, (p.y - 0.3).max(0.0), 0.0, 0.0]
+}
+
+/// A box whose vertices are moved off the lattice, the outer ones too, so that nothing holds by symmetry.
+fn skewed_box(n: usize) -> TetMesh {
+    let mut parts = box_tets([1.0; 3], [n; 3]).unwrap().into_parts();
+    let size = 0.12 / n as f64;
+    for (i, p) in parts.points.iter_mut().enumerate() {
+        let i = i as f64;
+        *p += size * DVec3::new((12.9 * i).sin(), (78.2 * i).sin(), (37.7 * i).cos());
+    }
+    TetMesh::new(parts).unwrap()
+}
+
+/// The box in two regions that meet at x = 1/2.
+fn two_regions(n: usize) -> TetMesh {
+    let mesh = box_tets([1.0; 3], [n; 3]).unwrap();
+    let regions = sample(&mesh, |p| [p.x; 6]).iter().map(|s| RegionId(u16::from(s[0] > 0.5))).collect();
+    let mut parts = mesh.into_parts();
+    parts.regions = regions;
+    parts.region_names = vec!["left".to_owned(), "right".to_owned()];
+    TetMesh::new(parts).unwrap()
+}
+
+/// Vertices off the boundary.
+fn inner_vertices(mesh: &TetMesh) -> Vec<usize> {
+    let mut inner = vec![true; mesh.points().len()];
+    mesh.faces().iter().flat_map(|f| f.vertices).for_each(|v| inner[v as usize] = false);
+    (0..inner.len()).filter(|&v| inner[v]).collect()
+}
+
+fn close(a: f64, b: f64, scale: f64) -> bool {
+    (a - b).abs() <= 1e-11 * scale
+}
+
+#[test]
+fn a_constant_stress_has_no_error() {
+    let mesh = skewed_box(3);
+    let stress = [3.0, -1.0, 2.0, 0.5, 0.25, -4.0];
+    for estimator in BOTH {
+        let errors = estimate(&mesh, &[STEEL], &sample(&mesh, |_| stress), estimator);
+        assert!(errors.energy() < 1e-13, "{estimator:?}: {}", errors.energy());
+        for s in &errors.nodal_stress {
+            assert!((0..6).all(|i| close(s[i], stress[i], 4.0)));
+        }
+    }
+}
+
+/// SPR gives a linear stress back at every inner vertex; averaging does not on a skewed mesh.
+#[test]
+fn spr_recovers_a_linear_stress_exactly() {
+    let mesh = skewed_box(4);
+    let stress = sample(&mesh, linear);
+    let worst = |estimator| {
+        let recovered = estimate(&mesh, &[STEEL], &stress, estimator).nodal_stress;
+        let difference = |v: usize| minus(&recovered[v], &linear(mesh.points()[v])).map(f64::abs);
+        inner_vertices(&mesh).into_iter().flat_map(difference).fold(0.0, f64::max)
+    };
+    assert!(worst(Estimator::Spr) < 1e-12, "{}", worst(Estimator::Spr));
+    assert!(worst(Estimator::Averaging) > 1e-3, "{}", worst(Estimator::Averaging));
+}
+
+/// On a cell with four inner vertices the estimate for a linear stress is the exact integral, here by a quadrature of
+/// degree two on the cell (Hammer and Stroud 1956, four points).
+#[test]
+fn the_integral_is_exact() {
+    let mesh = skewed_box(5);
+    let stress = sample(&mesh, linear);
+    let errors = estimate(&mesh, &[STEEL], &stress, Estimator::Spr);
+    let mut inner = vec![false; mesh.points().len()];
+    inner_vertices(&mesh).into_iter().for_each(|v| inner[v] = true);
+    let root5 = 5.0_f64.sqrt();
+    let (near, far) = ((5.0 + 3.0 * root5) / 20.0, (5.0 - root5) / 20.0);
+    let cells: Vec<usize> = (0..stress.len()).filter(|&t| mesh.tets()[t].iter().all(|&v| inner[v as usize])).collect();
+    assert!(cells.len() > 100);
+    for t in cells {
+        let p = mesh.cell_points(t);
+        let points = p.map(|q| far * p.into_iter().sum::<DVec3>() + (near - far) * q);
+        let integral: f64 = points.iter().map(|&q| complementary(&STEEL, &minus(&linear(q), &stress[t]))).sum();
+        let want = 0.25 * mesh.cell_volume(t) * integral;
+        assert!(close(errors.squared[t], want, want), "{} {want}", errors.squared[t]);
+    }
+}
+
+#[test]
+fn a_jump_within_a_region_is_seen_where_it_is() {
+    let mesh = box_tets([1.0; 3], [8; 3]).unwrap();
+    let stress = sample(&mesh, |p| [(p.x - 0.5).signum(), 0.0, 0.0, 0.0, 0.0, 0.0]);
+    for estimator in BOTH {
+        let errors = estimate(&mesh, &[STEEL], &stress, estimator);
+        for (t, &squared) in errors.squared.iter().enumerate() {
+            let x = mesh.cell_points(t).into_iter().sum::<DVec3>().x / 4.0;
+            if (x - 0.5).abs() < 0.125 {
+                assert!(squared > 1e-8, "{estimator:?} misses cell {t} at x = {x}");
+            } else {
+                assert!(squared < 1e-24, "{estimator:?} sees cell {t} at x = {x}");
+            }
+        }
+    }
+}
+
+/// The complementary product inverts Hooke's law: eps : C : eps = s : C^-1 : s.
+#[test]
+fn the_complementary_product_is_the_energy_of_the_strain() {
+    let (e, nu) = (STEEL.youngs_modulus, STEEL.poissons_ratio);
+    let (lambda, mu) = (e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), e / (2.0 * (1.0 + nu)));
+    let strain = [0.1, -0.2, 0.3, 0.05, -0.15, 0.25];
+    let trace: f64 = strain[..3].iter().sum();
+    let stress = std::array::from_fn(|i| 2.0 * mu * strain[i] + if i < 3 { lambda * trace } else { 0.0 });
+    let product: f64 = (0..6).map(|i| if i < 3 { 1.0 } else { 2.0 } * stress[i] * strain[i]).sum();
+    assert!(close(complementary(&STEEL, &stress), product, product));
+}
+
+#[test]
+fn a_jump_between_regions_is_no_error() {
+    let mesh = two_regions(4);
+    let soft = Material { youngs_modulus: 1.0, ..STEEL };
+    let stress = sample(&mesh, |p| if p.x > 0.5 { [100.0; 6] } else { [1.0; 6] });
+    for estimator in BOTH {
+        let errors = estimate(&mesh, &[STEEL, soft], &stress, estimator);
+        assert!(errors.energy() < 1e-11, "{estimator:?}: {}", errors.energy());
+        // Output shows the mean on the interface; at the centre both regions have the same volume.
+        let middle = mesh.points().iter().position(|p| *p == DVec3::splat(0.5)).unwrap();
+        assert!(close(errors.nodal_stress[middle][0], 50.5, 100.0), "{:?}", errors.nodal_stress[middle]);
+    }
+}
+
+#[test]
+fn the_squared_error_grows_with_the_square_of_the_load() {
+    let mesh = skewed_box(3);
+    let stress = sample(&mesh, kinked);
+    let thrice: Vec<SymTensor> = stress.iter().map(|s| s.map(|x| 3.0 * x)).collect();
+    for estimator in BOTH {
+        let [one, nine] = [&stress, &thrice].map(|s| estimate(&mesh, &[STEEL], s, estimator).energy().powi(2));
+        assert!(close(nine, 9.0 * one, nine) && one > 0.0);
+    }
+}
+
+#[test]
+fn flat_patches_are_averaged() {
+    // A plate one brick thick has no vertex inside.
+    let mesh = box_tets([10.0, 10.0, 1e-3], [5, 5, 1]).unwrap();
+    let errors = estimate(&mesh, &[STEEL], &sample(&mesh, linear), Estimator::Spr);
+    assert!(errors.energy().is_finite());
+    let largest = errors.nodal_stress.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
+    assert!(largest <= 40.0, "{largest}");
+}
+
+#[test]
+fn the_relative_error_compares_with_the_exact_energy() {
+    let errors = CellErrors { squared: vec![4.0, 5.0], nodal_stress: Vec::new() };
+    // 2 U_exact = 2 U_h + eta^2 = 16 + 9
+    assert!(close(errors.relative(8.0), 0.6, 1.0));
+    assert_eq!(CellErrors { squared: vec![0.0], nodal_stress: Vec::new() }.relative(0.0), 0.0);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(16))]
+
+    /// Other numbers for vertices and cells give the same errors but for rounding.
+    #[test]
+    fn the_estimate_follows_a_relabelling(
+        vertex_order in Just((0..64_usize).collect::<Vec<_>>()).prop_shuffle(),
+        cell_order in Just((0..162_usize).collect::<Vec<_>>()).prop_shuffle(),
+        rotate in 0..3_usize,
+    ) {
+        let mesh = skewed_box(3);
+        let points = vertex_order.iter().map(|&v| mesh.points()[v]).collect();
+        let mut new_number = vec![0_u32; 64];
+        vertex_order.iter().zip(0..).for_each(|(&v, new)| new_number[v] = new);
+        let relabelled = |&t: &usize| {
+            let mut tet = mesh.tets()[t].map(|v| new_number[v as usize]);
+            tet[..3].rotate_left(rotate);
+            tet
+        };
+        let other = TetMesh::from_cells(points, cell_order.iter().map(relabelled).collect(), "solid").unwrap();
+        for estimator in BOTH {
+            let one = estimate(&mesh, &[STEEL], &sample(&mesh, kinked), estimator);
+            let two = estimate(&other, &[STEEL], &sample(&other, kinked), estimator);
+            let scale = one.squared.iter().copied().fold(0.0, f64::max);
+            for (new, &old) in cell_order.iter().enumerate() {
+                prop_assert!(close(two.squared[new], one.squared[old], scale));
+            }
+        }
+    }
+}
+
+#[test]
+fn the_number_of_threads_changes_no_bit() {
+    let mesh = skewed_box(6);
+    let stress = sample(&mesh, kinked);
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| estimate(&mesh, &[STEEL], &stress, Estimator::Spr))
+    };
+    assert_eq!(with(1), with(4));
+}

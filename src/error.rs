@@ -1,0 +1,65 @@
+//! What a command can end with, and its exit code.
+
+use crate::adapt::AdaptError;
+use crate::fem::FemError;
+use crate::mesh::MeshError;
+use crate::output::OutputError;
+use crate::pipeline::ModelError;
+use crate::scenario::ScenarioError;
+
+/// Why a command failed.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum Error {
+    /// The scenario cannot be used.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// The mesh cannot be used.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Mesh(#[from] MeshError),
+    /// Supports, loads and materials do not fit the mesh.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Model(#[from] ModelError),
+    /// The model cannot be solved, or the solver failed.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Fem(#[from] FemError),
+    /// The error estimate cannot be marked.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Adapt(#[from] AdaptError),
+    /// A file or folder cannot be written.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Output(#[from] OutputError),
+    /// Standard output cannot be written.
+    #[error("cannot write to standard output")]
+    Print(#[source] std::io::Error),
+    /// All refinement steps are done and the error is still above what the scenario asks for.
+    #[error("the estimated relative error is {reached:.4}, above the {asked} asked for")]
+    #[diagnostic(help("allow more: refine.steps, or the limits of [refine.stop]"))]
+    ToleranceNotReached {
+        /// `refine.stop.relative_error`.
+        asked: f64,
+        /// What the last step reached.
+        reached: f64,
+    },
+}
+
+impl Error {
+    /// The exit code of a command that ends with this error: 3 scenario, 4 mesh, 5 ill-posed model, 6 solver, memory or
+    /// output, 7 asked tolerance not reached. (0 is success, 1 a failed verification, 2 wrong usage.)
+    #[must_use]
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Scenario(_) => 3,
+            Self::Mesh(_) => 4,
+            Self::Model(_) => 5,
+            Self::Fem(error) if error.is_model() => 5,
+            Self::Fem(_) | Self::Adapt(_) | Self::Output(_) | Self::Print(_) => 6,
+            Self::ToleranceNotReached { .. } => 7,
+        }
+    }
+}

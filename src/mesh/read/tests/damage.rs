@@ -1,0 +1,93 @@
+//! Random damage to good files.
+
+use super::*;
+use proptest::prelude::*;
+
+/// One way to spoil a text.
+#[derive(Debug, Clone)]
+enum Damage {
+    Truncate(prop::sample::Index),
+    DeleteLine(prop::sample::Index),
+    RepeatLine(prop::sample::Index),
+    DeleteToken(prop::sample::Index),
+    ReplaceToken(prop::sample::Index, &'static str),
+    SwapTokens(prop::sample::Index, prop::sample::Index),
+}
+
+const ODD_TOKENS: [&str; 14] = [
+    "-1",
+    "0",
+    "1e400",
+    "nan",
+    "4294967295",
+    "99999999999999999999",
+    "$Nodes",
+    "$EndElements",
+    "\"",
+    "x",
+    "1,5",
+    "4",
+    "11",
+    "é\u{0}",
+];
+
+fn damage() -> impl Strategy<Value = Damage> {
+    let place = any::<prop::sample::Index>;
+    prop_oneof![
+        place().prop_map(Damage::Truncate),
+        place().prop_map(Damage::DeleteLine),
+        place().prop_map(Damage::RepeatLine),
+        place().prop_map(Damage::DeleteToken),
+        (place(), prop::sample::select(&ODD_TOKENS[..])).prop_map(|(i, t)| Damage::ReplaceToken(i, t)),
+        (place(), place()).prop_map(|(i, j)| Damage::SwapTokens(i, j)),
+    ]
+}
+
+fn apply(text: &str, damage: &Damage) -> String {
+    let mut lines: Vec<&str> = text.split_inclusive('\n').collect();
+    // Tokens alternate with the white space after them.
+    let mut tokens: Vec<&str> = text.split_inclusive([' ', '\n']).collect();
+    if lines.is_empty() {
+        return String::new();
+    }
+    match damage {
+        Damage::Truncate(i) => return text.chars().take(i.index(text.len())).collect(),
+        Damage::DeleteLine(i) => drop(lines.remove(i.index(lines.len()))),
+        Damage::RepeatLine(i) => lines.insert(i.index(lines.len()), lines[i.index(lines.len())]),
+        Damage::DeleteToken(i) => {
+            tokens.remove(i.index(tokens.len()));
+            return tokens.concat();
+        }
+        Damage::ReplaceToken(i, new) => {
+            let i = i.index(tokens.len());
+            let replaced = format!("{new}{}", if tokens[i].ends_with('\n') { "\n" } else { " " });
+            tokens[i] = &replaced;
+            return tokens.concat();
+        }
+        Damage::SwapTokens(i, j) => {
+            let (i, j) = (i.index(tokens.len()), j.index(tokens.len()));
+            tokens.swap(i, j);
+            return tokens.concat();
+        }
+    }
+    lines.concat()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    /// Whatever is done to a file, reading it gives a valid mesh or an error.
+    #[test]
+    fn damaged_files_never_panic(which in 0..3_usize, damages in prop::collection::vec(damage(), 1..4)) {
+        let text = damages.iter().fold([MSH2, MSH4, GID][which].to_owned(), |text, d| apply(&text, d));
+        if let Ok(file) = parse_text(&text) {
+            prop_assert!(TetMesh::new(file.mesh.into_parts()).is_ok());
+        }
+    }
+
+    #[test]
+    fn random_bytes_after_a_header_never_panic(which in 0..3_usize, bytes in prop::collection::vec(any::<u8>(), 0..300)) {
+        let head: String = [MSH2, MSH4, GID][which].lines().take(12).map(|l| format!("{l}\n")).collect();
+        let _ = parse(Path::new("test.msh"), &[head.as_bytes(), &bytes].concat());
+    }
+}

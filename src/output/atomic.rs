@@ -1,0 +1,84 @@
+//! Files that appear whole or not at all.
+
+use super::OutputError;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+use tempfile::NamedTempFile;
+
+/// Writes a file through a temporary one beside it that takes its name when everything is on the disk. Whatever happens,
+/// `path` holds the old bytes or the new ones, and no other file stays behind.
+///
+/// # Errors
+/// [`OutputError::Write`] names `path`; its old content, if any, is untouched.
+pub fn write_atomic(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), OutputError> {
+    replace(path, write).map_err(|source| OutputError::write(path, source))
+}
+
+/// Makes the folder (and those above it) if it is missing, and checks that files can be made in it. To be called before
+/// the first long computation.
+///
+/// # Errors
+/// [`OutputError::Write`] names the folder.
+pub fn ensure_writable_dir(path: &Path) -> Result<(), OutputError> {
+    std::fs::create_dir_all(path)
+        .and_then(|()| temporary(path))
+        .map(|_| ())
+        .map_err(|source| OutputError::write(path, source))
+}
+
+fn replace(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    // Renaming is atomic within one file system only, so the temporary file lives in the same folder.
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut buffered = BufWriter::new(temporary(folder)?);
+    write(&mut buffered)?;
+    let file = buffered.into_inner().map_err(io::IntoInnerError::into_error)?;
+    file.as_file().sync_all()?;
+    file.persist(path).map_err(|e| e.error)?;
+    Ok(())
+}
+
+fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".subsolid-");
+    // Temporary files are private by default; results get the permissions of any other new file.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = std::fs::read_dir(folder).unwrap();
+        entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect()
+    }
+
+    #[test]
+    fn a_failing_writer_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("result.txt");
+        write_atomic(&path, |w| w.write_all(b"old")).unwrap();
+        let failure = write_atomic(&path, |w| {
+            w.write_all(&[b'x'; 100_000])?;
+            Err(io::Error::other("disk full"))
+        });
+        assert!(failure.unwrap_err().to_string().contains("result.txt: disk full"));
+        assert_eq!(std::fs::read(&path).unwrap(), b"old");
+        assert_eq!(names(folder.path()), ["result.txt"]);
+        write_atomic(&path, |w| w.write_all(b"new")).unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"new");
+    }
+
+    #[test]
+    fn a_file_in_place_of_a_folder_is_refused_by_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        std::fs::write(&file, "").unwrap();
+        assert!(ensure_writable_dir(&file).unwrap_err().to_string().contains("file"));
+        let deep = folder.path().join("a/b");
+        ensure_writable_dir(&deep).unwrap();
+        assert_eq!(names(&deep), [""; 0]);
+    }
+}

@@ -1,0 +1,53 @@
+//! What can go wrong while writing results.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Why a result could not be written.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum OutputError {
+    /// The operating system refused.
+    #[error("cannot write {path}: {source}", path = path.display())]
+    #[diagnostic(help(
+        "check that the folder exists, may be written to and has free space, or choose another with --output; \
+         an older file of that name was left as it was"
+    ))]
+    Write {
+        /// The file or folder asked for.
+        path: PathBuf,
+        /// What the operating system said.
+        source: io::Error,
+    },
+    /// A field does not fit the mesh; a programming error of the caller.
+    #[error("cannot write {path}: {field:?} has {got} values, the mesh asks for {want}", path = path.display())]
+    Length {
+        /// The file asked for.
+        path: PathBuf,
+        /// Name of the field.
+        field: String,
+        /// Values given.
+        got: usize,
+        /// Points or cells of the mesh.
+        want: usize,
+    },
+    /// A field holds NaN or an infinity.
+    #[error("cannot write {path}: value {index} of {field:?} is not finite", path = path.display())]
+    #[diagnostic(help(
+        "the numbers left the range of double precision: check the units of the mesh, the material and the loads"
+    ))]
+    NotFinite {
+        /// The file asked for.
+        path: PathBuf,
+        /// Name of the field.
+        field: String,
+        /// Index of the point or cell.
+        index: usize,
+    },
+}
+
+impl OutputError {
+    /// The error of the operating system at `path`.
+    pub fn write(path: &Path, source: io::Error) -> Self {
+        Self::Write { path: path.to_owned(), source }
+    }
+}

@@ -1,0 +1,380 @@
+//! What a run did, in numbers: the records behind `report.json` and the tables.
+//!
+//! Numbers that are not finite become `null` in JSON.
+
+use super::OutputError;
+use super::atomic::write_atomic;
+use crate::mesh::{TetMesh, features, quality, topology};
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
+use std::io;
+use std::path::Path;
+
+/// A whole run: `report.json`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// Version of this layout, [`SCHEMA`].
+    pub schema: u32,
+    /// Name and version of the program, [`PROGRAM`].
+    pub program: String,
+    /// The scenario's file.
+    pub scenario: String,
+    /// Threads used.
+    pub threads: usize,
+    /// Why the run ended.
+    pub stop_reason: StopReason,
+    /// One record a solve; step 0 is the input mesh.
+    pub steps: Vec<StepRecord>,
+    /// Wall time of the run.
+    pub seconds_total: f64,
+    /// Most memory held at a time since the run began.
+    pub peak_memory_bytes: u64,
+}
+
+/// Version of the layout of `report.json`.
+pub const SCHEMA: u32 = 1;
+
+/// Name and version of the program.
+pub const PROGRAM: &str = concat!("subsolid ", env!("CARGO_PKG_VERSION"));
+
+/// Why a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StopReason {
+    /// All steps asked for were made.
+    Steps,
+    /// The estimated relative error is small enough.
+    RelativeError,
+    /// A named quantity is exact enough.
+    Quantity,
+    /// The next mesh would have too many cells.
+    MaxCells,
+    /// The next solve would need too much memory.
+    MaxMemory,
+    /// The time is up.
+    Seconds,
+    /// No cell has an error to refine for.
+    Exact,
+    /// The user interrupted.
+    Interrupted,
+}
+
+/// One pass of the loop: a mesh, its solution, its error, and what they cost.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StepRecord {
+    /// Index from 0.
+    pub step: usize,
+    /// The mesh.
+    #[serde(flatten)]
+    pub mesh: MeshCounts,
+    /// Degrees of freedom, three a node.
+    pub dofs: usize,
+    /// Those not prescribed by supports.
+    pub free_dofs: usize,
+    /// Cells selected on this mesh for the next step.
+    pub selected: usize,
+    /// Strain energy u.K.u / 2.
+    pub strain_energy: f64,
+    /// Largest length of the displacement of a node.
+    pub max_displacement: f64,
+    /// Estimated error.
+    pub error: ErrorRecord,
+    /// Shape of the cells.
+    pub quality: QualityRecord,
+    /// What the linear solver did.
+    pub solver: SolverRecord,
+    /// Wall time of each phase.
+    pub seconds: PhaseSeconds,
+    /// Total force (x, y, z) that each support exerts, in the scenario's order.
+    #[serde(serialize_with = "as_map")]
+    pub reactions: Vec<(String, [f64; 3])>,
+    /// Named quantities, in the scenario's order.
+    #[serde(serialize_with = "as_map")]
+    pub quantities: Vec<(String, QuantityRecord)>,
+}
+
+/// Counts and measures of a mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct MeshCounts {
+    /// Cells.
+    pub cells: usize,
+    /// Vertices.
+    pub nodes: usize,
+    /// Edges.
+    pub edges: usize,
+    /// Boundary faces.
+    pub boundary_faces: usize,
+    /// Edges above the feature angle or tagged by the user.
+    pub feature_edges: usize,
+    /// Their total length.
+    pub feature_length: f64,
+    /// Volume.
+    pub volume: f64,
+}
+
+/// Estimated error of a solution. With eta_K the estimated energy norm of the error in cell K (eta_K^2 stands for a(e, e)
+/// on K, without the factor 1/2) and M = max eta_K at step 0.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ErrorRecord {
+    /// eta = sqrt(sum eta_K^2).
+    pub energy: f64,
+    /// eta / sqrt(2 * strain energy + eta^2).
+    pub relative: f64,
+    /// mean(eta_K) / M.
+    pub normalised_mean: f64,
+    /// mean(eta_K^2) / M^2.
+    pub normalised_mean_square: f64,
+    /// eta over the true error, where an exact solution is given.
+    pub effectivity: Option<f64>,
+}
+
+/// Shape of the cells of a mesh: minimum dihedral angles in degrees, and valences (cells at a vertex).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct QualityRecord {
+    /// Smallest over the cells.
+    pub worst: f64,
+    /// Mean over the cells.
+    pub average: f64,
+    /// Largest over the cells.
+    pub best: f64,
+    /// Most cells at a vertex.
+    pub max_valence: usize,
+    /// Mean number of cells at a vertex.
+    pub average_valence: f64,
+    /// Cells whose volume is not positive.
+    pub inverted: usize,
+}
+
+/// What the linear solver did.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SolverRecord {
+    /// Its name.
+    pub method: String,
+    /// Iterations; 0 for a direct solver without refinement of the solution.
+    pub iterations: usize,
+    /// |b - K u| / |b|.
+    pub residual: f64,
+    /// Entries stored of the matrix or of its factor.
+    pub nonzeros: usize,
+}
+
+/// Wall time of the phases of a step, in seconds.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct PhaseSeconds {
+    /// Making this step's mesh from the one before; 0 at step 0.
+    pub refine: f64,
+    /// Stiffness matrix and load vector.
+    pub assemble: f64,
+    /// The linear system.
+    pub solve: f64,
+    /// Stress recovery and error indicators.
+    pub estimate: f64,
+    /// Selection of cells.
+    pub mark: f64,
+    /// Result files.
+    pub write: f64,
+    /// The whole step.
+    pub total: f64,
+}
+
+/// A named quantity and its estimated error.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct QuantityRecord {
+    /// Its value.
+    pub value: f64,
+    /// Its estimated error.
+    pub error: f64,
+}
+
+/// A mesh without a solution: what `inspect` and `subdivide` report.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MeshReport {
+    /// The mesh.
+    #[serde(flatten)]
+    pub mesh: MeshCounts,
+    /// Shape of the cells.
+    pub quality: QualityRecord,
+    /// Wall time of what made it.
+    pub seconds: f64,
+}
+
+impl MeshReport {
+    /// Describes a mesh that took `seconds` to make.
+    #[must_use]
+    pub fn of(mesh: &TetMesh, seconds: f64) -> Self {
+        Self { mesh: MeshCounts::of(mesh), quality: quality::quality(mesh).into(), seconds }
+    }
+}
+
+impl MeshCounts {
+    /// Counts and measures a mesh.
+    #[must_use]
+    pub fn of(mesh: &TetMesh) -> Self {
+        let (feature_edges, feature_length) = features::feature_count_and_length(mesh);
+        Self {
+            cells: mesh.tets().len(),
+            nodes: mesh.points().len(),
+            edges: topology::edges(mesh.tets()).len(),
+            boundary_faces: mesh.faces().len(),
+            feature_edges,
+            feature_length,
+            volume: mesh.volume(),
+        }
+    }
+}
+
+impl From<quality::Quality> for QualityRecord {
+    fn from(q: quality::Quality) -> Self {
+        let quality::Quality { worst, average, best, max_valence, average_valence, inverted } = q;
+        Self { worst, average, best, max_valence, average_valence, inverted }
+    }
+}
+
+/// Writes a record as indented JSON with a newline at the end.
+///
+/// # Errors
+/// [`OutputError::Write`] names `path`.
+pub fn write_json(path: &Path, record: &impl Serialize) -> Result<(), OutputError> {
+    write_atomic(path, |w| {
+        serde_json::to_writer_pretty(&mut *w, record).map_err(io::Error::from)?;
+        writeln!(w)
+    })
+}
+
+/// Named values as a JSON object that keeps their order.
+fn as_map<T: Serialize, S: Serializer>(entries: &[(String, T)], serializer: S) -> Result<S::Ok, S::Error> {
+    let mut map = serializer.serialize_map(Some(entries.len()))?;
+    for (name, value) in entries {
+        map.serialize_entry(name, value)?;
+    }
+    map.end()
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    pub(in crate::output) fn step(step: usize) -> StepRecord {
+        StepRecord {
+            step,
+            mesh: MeshCounts {
+                cells: 2799,
+                nodes: 967,
+                edges: 4400,
+                boundary_faces: 1270,
+                feature_edges: 294,
+                feature_length: 123.5,
+                volume: 1000.0,
+            },
+            dofs: 2901,
+            free_dofs: 2800,
+            selected: 100,
+            strain_energy: 6.382_330_187_8,
+            max_displacement: 0.126_521_862,
+            error: ErrorRecord {
+                energy: 1.5,
+                relative: 0.4,
+                normalised_mean: 0.209,
+                normalised_mean_square: 0.06,
+                effectivity: None,
+            },
+            quality: QualityRecord {
+                worst: 13.2,
+                average: 45.0,
+                best: 69.0,
+                max_valence: 40,
+                average_valence: 11.6,
+                inverted: 0,
+            },
+            solver: SolverRecord { method: "direct".to_owned(), iterations: 0, residual: 1e-13, nonzeros: 100_000 },
+            seconds: PhaseSeconds {
+                assemble: 0.01,
+                solve: 0.02,
+                estimate: 0.005,
+                total: 0.04,
+                ..PhaseSeconds::default()
+            },
+            reactions: vec![("zebra".to_owned(), [0.0, 1.0, f64::NAN]), ("ant".to_owned(), [1.0, 2.0, 3.0])],
+            quantities: Vec::new(),
+        }
+    }
+
+    pub(in crate::output) fn report(steps: Vec<StepRecord>) -> Report {
+        Report {
+            schema: SCHEMA,
+            program: PROGRAM.to_owned(),
+            scenario: "tripod.toml".to_owned(),
+            threads: 2,
+            stop_reason: StopReason::RelativeError,
+            steps,
+            seconds_total: 1.0,
+            peak_memory_bytes: 1 << 24,
+        }
+    }
+
+    /// The names under `path`, sorted.
+    fn keys(json: &serde_json::Value, path: &str) -> Vec<String> {
+        json.pointer(path).unwrap().as_object().unwrap().keys().cloned().collect()
+    }
+
+    fn sorted(names: &str) -> Vec<String> {
+        let mut names: Vec<String> = names.split_whitespace().map(str::to_owned).collect();
+        names.sort_unstable();
+        names
+    }
+
+    #[test]
+    fn the_report_has_the_promised_keys_and_no_other() {
+        let mut record = step(0);
+        record.quantities.push(("tip".to_owned(), QuantityRecord { value: 1.0, error: 0.1 }));
+        let json = serde_json::to_value(report(vec![record])).unwrap();
+        let promised = [
+            ("", "schema program scenario threads stop_reason steps seconds_total peak_memory_bytes"),
+            (
+                "/steps/0",
+                "step cells nodes edges boundary_faces dofs free_dofs feature_edges feature_length volume selected \
+                 strain_energy max_displacement error quality solver seconds reactions quantities",
+            ),
+            ("/steps/0/error", "energy relative normalised_mean normalised_mean_square effectivity"),
+            ("/steps/0/quality", "worst average best max_valence average_valence inverted"),
+            ("/steps/0/solver", "method iterations residual nonzeros"),
+            ("/steps/0/seconds", "refine assemble solve estimate mark write total"),
+            ("/steps/0/quantities/tip", "value error"),
+        ];
+        for (path, names) in promised {
+            assert_eq!(keys(&json, path), sorted(names), "at {path:?}");
+        }
+        assert_eq!(json["stop_reason"], "relative_error");
+        assert!(json["steps"][0]["error"]["effectivity"].is_null());
+        assert_eq!(json["steps"][0]["reactions"]["ant"], serde_json::json!([1.0, 2.0, 3.0]));
+    }
+
+    #[test]
+    fn reactions_keep_the_scenarios_order_and_nan_is_null() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("report.json");
+        write_json(&path, &report(vec![step(0)])).unwrap();
+        let text = std::fs::read_to_string(path).unwrap();
+        assert!(text.find("zebra").unwrap() < text.find("ant").unwrap());
+        assert!(text.ends_with("}\n") && !text.contains("NaN"));
+        let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        assert!(json["steps"][0]["reactions"]["zebra"][2].is_null());
+    }
+
+    #[test]
+    fn a_mesh_report_has_the_promised_keys() {
+        let mesh = TetMesh::from_cells(
+            vec![glam::DVec3::ZERO, glam::DVec3::X, glam::DVec3::Y, glam::DVec3::Z],
+            vec![[0, 1, 2, 3]],
+            "solid",
+        );
+        let mesh = mesh.unwrap();
+        let counts = MeshCounts::of(&mesh);
+        assert_eq!((counts.cells, counts.nodes, counts.edges, counts.boundary_faces), (1, 4, 6, 4));
+        assert!((counts.volume - 1.0 / 6.0).abs() < 1e-15);
+        let record = MeshReport { mesh: counts, quality: quality::quality(&mesh).into(), seconds: 0.0 };
+        let json = serde_json::to_value(record).unwrap();
+        let names = "cells nodes edges boundary_faces feature_edges feature_length volume quality seconds";
+        assert_eq!(keys(&json, ""), sorted(names));
+    }
+}

@@ -1,0 +1,301 @@
+//! Tables for people: the steps of a run, and global against adaptive refinement in the shape of Burkhart, Hamann and
+//! Umlauf 2011, Figure 6.
+
+use super::compare::{EqualError, Ratios};
+use super::options::{Published, PublishedStep};
+use super::report::{PhaseSeconds, Report, StepRecord};
+use comfy_table::{CellAlignment, LineStyle, Table, presets};
+
+/// The steps of a run as two tables, what was computed and what it cost.
+#[must_use]
+pub fn steps(records: &[StepRecord]) -> String {
+    let mut results = table(
+        "step|cells|nodes|free\ndofs|relative\nerror %|mean\nerror|mean sq.\nerror|strain\nenergy|largest\ndispl.|worst\nangle",
+    );
+    let mut costs = table("step|refine|assemble|solve|estimate|mark|write|total s");
+    for r in records {
+        results.add_row([
+            r.step.to_string(),
+            count(r.mesh.cells),
+            count(r.mesh.nodes),
+            count(r.free_dofs),
+            percent(r.error.relative),
+            figures(r.error.normalised_mean, 3),
+            figures(r.error.normalised_mean_square, 3),
+            figures(r.strain_energy, 6),
+            figures(r.max_displacement, 4),
+            format!("{:.1}", r.quality.worst),
+        ]);
+        let PhaseSeconds { refine, assemble, solve, estimate, mark, write, total } = r.seconds;
+        let mut row = vec![r.step.to_string()];
+        row.extend([refine, assemble, solve, estimate, mark, write, total].map(seconds));
+        costs.add_row(row);
+    }
+    format!("{}\n{ERRORS}\n\nSeconds\n{}\n", text(results), text(costs))
+}
+
+/// One line for a step just finished.
+#[must_use]
+pub fn step_line(r: &StepRecord) -> String {
+    format!(
+        "step {}: {} cells, {} free dofs, relative error {} %, strain energy {}, {} s",
+        r.step,
+        count(r.mesh.cells),
+        count(r.free_dofs),
+        percent(r.error.relative),
+        figures(r.strain_energy, 6),
+        seconds(r.seconds.total)
+    )
+}
+
+/// The comparison: all steps of both runs, the ratios at equal steps and at equal error, and the published figures beside
+/// ours if there are any.
+#[must_use]
+pub fn comparison(global: &Report, adaptive: &Report, ratios: &Ratios, published: Option<&Published>) -> String {
+    let rows = rows(global, adaptive);
+    let mut out = format!("{}\n{ERRORS}\n", text(meshes(&rows)));
+    out += &format!("\nGlobal over adaptive at equal steps\n{}\n", text(equal_steps(global, adaptive, ratios)));
+    out += &format!("\n{}\n", equal_error(&ratios.equal_error));
+    if let Some(published) = published {
+        out += &format!("\nBeside {}\n{}\n", published.source, text(beside(&rows, published)));
+        out += "Our milliseconds: refine + assemble + solve. Where the source does not say how it normalises its error,\n\
+                our two columns are reconstructions.\n";
+        for line in factors(&rows, published) {
+            out += &format!("{line}\n");
+        }
+    }
+    out
+}
+
+/// How the error columns are defined.
+const ERRORS: &str = "\
+relative error: eta / sqrt(2 energy + eta^2), eta^2 = sum of eta_K^2 over the cells
+mean, mean sq.: mean of eta_K and of eta_K^2 over their maxima at step 0
+worst angle: minimum dihedral angle in degrees";
+
+/// The label of each mesh and its record: the common base, then the steps of each run.
+fn rows<'a>(global: &'a Report, adaptive: &'a Report) -> Vec<(String, &'a StepRecord)> {
+    let base = adaptive.steps.first().map(|r| ("base".to_owned(), r));
+    let run = |name: &'static str, report: &'a Report| {
+        report.steps.iter().skip(1).map(move |r| (format!("{name} {}", r.step), r))
+    };
+    base.into_iter().chain(run("adaptive", adaptive)).chain(run("global", global)).collect()
+}
+
+fn meshes(rows: &[(String, &StepRecord)]) -> Table {
+    let mut table = table(
+        "mesh|cells|dofs|refine\ns|assemble\ns|solve\ns|estimate\ns|mean\nerror|mean sq.\nerror|relative\nerror %|strain\nenergy|worst\nangle",
+    );
+    for (label, r) in rows {
+        table.add_row([
+            label.clone(),
+            count(r.mesh.cells),
+            count(r.dofs),
+            seconds(r.seconds.refine),
+            seconds(r.seconds.assemble),
+            seconds(r.seconds.solve),
+            seconds(r.seconds.estimate),
+            figures(r.error.normalised_mean, 3),
+            figures(r.error.normalised_mean_square, 3),
+            percent(r.error.relative),
+            figures(r.strain_energy, 6),
+            format!("{:.1}", r.quality.worst),
+        ]);
+    }
+    table
+}
+
+fn equal_steps(global: &Report, adaptive: &Report, ratios: &Ratios) -> Table {
+    let mut table = table("step|cells|dofs|assemble\n+ solve|refine +\nassemble + solve|whole\nstep|strain\nenergy");
+    for (ratio, (g, a)) in ratios.equal_step.iter().zip(global.steps.iter().zip(&adaptive.steps)) {
+        table.add_row([
+            ratio.step.to_string(),
+            figures(ratio.cells, 3),
+            figures(ratio.dofs, 3),
+            figures((g.seconds.assemble + g.seconds.solve) / (a.seconds.assemble + a.seconds.solve), 3),
+            figures(simulation(&g.seconds) / simulation(&a.seconds), 3),
+            figures(ratio.seconds, 3),
+            figures(ratio.energy, 5),
+        ]);
+    }
+    table
+}
+
+/// The time that the 2011 paper's "simulation" is held against.
+fn simulation(seconds: &PhaseSeconds) -> f64 {
+    seconds.refine + seconds.assemble + seconds.solve
+}
+
+fn equal_error(e: &EqualError) -> String {
+    let (Some(error), None) = (e.error, &e.reason) else {
+        return format!(
+            "Global over adaptive at equal error: none, {}",
+            e.reason.as_deref().unwrap_or("no common error")
+        );
+    };
+    let [cells, dofs, seconds] = [e.cells, e.dofs, e.seconds].map(|r| r.map_or("-".to_owned(), |r| figures(r, 3)));
+    format!(
+        "Global over adaptive at equal {} relative error ({} %)\n\
+         cells {cells}, dofs {dofs}, seconds from the start {seconds} (log-log between steps)",
+        e.error_source,
+        percent(error)
+    )
+}
+
+fn beside(rows: &[(String, &StepRecord)], published: &Published) -> Table {
+    let mut table = table("mesh|cells|cells\npublished|ms|ms\npublished|mean\nerror|mean sq.\nerror|error\npublished");
+    for p in &published.steps {
+        let ours = rows.iter().find(|(label, _)| *label == p.label).map(|(_, r)| r);
+        let cell = |f: &dyn Fn(&StepRecord) -> String| ours.map_or("-".to_owned(), |r| f(r));
+        table.add_row([
+            p.label.clone(),
+            cell(&|r| count(r.mesh.cells)),
+            count(p.cells),
+            cell(&|r| figures(1e3 * simulation(&r.seconds), 3)),
+            p.milliseconds.to_string(),
+            cell(&|r| figures(r.error.normalised_mean, 3)),
+            cell(&|r| figures(r.error.normalised_mean_square, 3)),
+            p.error.to_string(),
+        ]);
+    }
+    table
+}
+
+/// For each step published of both runs: how many times longer the global one takes, there and here.
+fn factors(rows: &[(String, &StepRecord)], published: &Published) -> Vec<String> {
+    let find = |label: &str| published.steps.iter().find(|p| p.label == label);
+    let ours = |label: &str| rows.iter().find(|(l, _)| l == label).map(|(_, r)| simulation(&r.seconds));
+    let pair = |a: &PublishedStep| {
+        let step = a.label.strip_prefix("adaptive ")?;
+        let global = format!("global {step}");
+        let g = find(&global)?;
+        let theirs =
+            format!("{:.1} published ({} ms / {} ms)", g.milliseconds / a.milliseconds, g.milliseconds, a.milliseconds);
+        let ours = ours(&global).zip(ours(&a.label)).map_or("-".to_owned(), |(g, a)| format!("{:.1}", g / a));
+        Some(format!("Time, global over adaptive at step {step}: {ours} here, {theirs}"))
+    };
+    published.steps.iter().filter_map(pair).collect()
+}
+
+/// An empty table whose headers are separated by `|`; the first column is text, the others are numbers.
+fn table(headers: &str) -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
+    table.set_header(headers.split('|'));
+    for column in table.column_iter_mut() {
+        column.set_cell_alignment(if column.index == 0 { CellAlignment::Left } else { CellAlignment::Right });
+        column.set_padding((if column.index == 0 { 0 } else { 1 }, 0));
+    }
+    table
+}
+
+fn text(table: Table) -> String {
+    table.trim_fmt()
+}
+
+/// An integer with its thousands apart.
+pub(super) fn count(n: usize) -> String {
+    let digits = n.to_string();
+    let groups: Vec<&str> =
+        digits.as_bytes().rchunks(3).rev().filter_map(|group| std::str::from_utf8(group).ok()).collect();
+    groups.join(",")
+}
+
+/// A number with that many significant figures, in the shorter of the plain and the scientific notation.
+pub(super) fn figures(x: f64, digits: usize) -> String {
+    if !x.is_finite() {
+        return "-".to_owned();
+    }
+    // Rounding first, so that 9.99 with one figure counts as 10.
+    let scientific = format!("{x:.*e}", digits.saturating_sub(1));
+    let exponent: i32 = scientific.rsplit_once('e').and_then(|(_, e)| e.parse().ok()).unwrap_or(0);
+    match usize::try_from(digits as i32 - 1 - exponent) {
+        Ok(decimals) if exponent >= -4 => format!("{x:.decimals$}"),
+        Err(_) if exponent < 9 => format!("{x:.0}"),
+        _ => scientific,
+    }
+}
+
+fn percent(x: f64) -> String {
+    figures(100.0 * x, 3)
+}
+
+fn seconds(s: f64) -> String {
+    if s.is_finite() { format!("{s:.3}") } else { "-".to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::compare::ratios;
+    use super::super::report::tests::{report, step};
+    use super::*;
+
+    #[test]
+    fn numbers_are_rounded_to_significant_figures() {
+        let cases = [(0.0, "0.00"), (9.999, "10.0"), (0.012345, "0.0123"), (123_456.0, "123456"), (-2.5, "-2.50")];
+        for (x, expected) in cases {
+            assert_eq!(figures(x, 3), expected);
+        }
+        assert_eq!(figures(1.0e-7, 3), "1.00e-7");
+        assert_eq!(figures(2.346e12, 3), "2.35e12");
+        assert_eq!(figures(f64::NAN, 3), "-");
+        assert_eq!([count(7), count(1_234), count(1_234_567)], ["7", "1,234", "1,234,567"]);
+    }
+
+    /// The run of the paper, with times a tenth of its.
+    fn run(cells: [usize; 2], milliseconds: [f64; 2], error: [f64; 2]) -> Report {
+        let record = |i: usize| {
+            let mut r = step(i);
+            r.mesh.cells = cells[i];
+            r.error.relative = error[i];
+            r.seconds = PhaseSeconds { solve: milliseconds[i] / 1e4, total: milliseconds[i] / 1e4, ..r.seconds };
+            r.seconds.assemble = 0.0;
+            r
+        };
+        report(vec![record(0), record(1)])
+    }
+
+    fn published() -> Published {
+        let steps =
+            [("base", 2799, 491.0, 0.08), ("adaptive 1", 4540, 596.0, 0.03), ("global 1", 23480, 7574.0, 0.008)];
+        let steps = steps.map(|(label, cells, milliseconds, error)| PublishedStep {
+            label: label.to_owned(),
+            cells,
+            milliseconds,
+            error,
+        });
+        Published { source: "Burkhart, Hamann and Umlauf 2011, Figure 6".to_owned(), steps: steps.into() }
+    }
+
+    #[test]
+    fn the_comparison_prints_every_mesh_once_and_the_published_factor_beside_ours() {
+        let global = run([2799, 23480], [491.0, 7574.0], [0.4, 0.2]);
+        let adaptive = run([2799, 4540], [491.0, 596.0], [0.4, 0.3]);
+        let text = comparison(&global, &adaptive, &ratios(&global, &adaptive), Some(&published()));
+        let line = |start: &str| text.lines().filter(|l| l.starts_with(start)).collect::<Vec<_>>();
+        assert_eq!(line("global 1").len(), 2);
+        assert_eq!(line("base").len(), 2);
+        assert!(line("Time, global")[0].contains("12.7 here, 12.7 published (7574 ms / 596 ms)"), "{text}");
+        let beside: Vec<&str> = line("adaptive 1")[1].split_whitespace().collect();
+        assert_eq!(beside[2..6], ["4,540", "4,540", "59.6", "596"]);
+        assert!(line("Global over adaptive at equal estimated relative error (30.0 %)").len() == 1, "{text}");
+    }
+
+    #[test]
+    fn published_rows_without_ours_and_ratios_without_a_common_error_are_said() {
+        let global = run([2799, 23480], [491.0, 7574.0], [0.2, 0.1]);
+        let mut adaptive = run([2799, 4540], [491.0, 596.0], [0.4, 0.3]);
+        adaptive.steps.truncate(1);
+        let text = comparison(&global, &adaptive, &ratios(&global, &adaptive), Some(&published()));
+        assert!(text.contains("at equal error: none, the global run starts with the error"), "{text}");
+        assert!(text.contains("at step 1: - here, 12.7 published"), "{text}");
+    }
+
+    #[test]
+    fn a_run_of_one_step_fits_a_narrow_terminal() {
+        let text = steps(&[step(0)]);
+        assert!(text.lines().take(6).all(|l| l.chars().count() <= 80), "{text}");
+        assert!(text.contains("2,799") && text.contains("6.38233"));
+        assert!(step_line(&step(0)).starts_with("step 0: 2,799 cells, 2,800 free dofs, relative error 40.0 %"));
+    }
+}

@@ -1,0 +1,178 @@
+//! Meshes with fields as VTK unstructured grids (`.vtu`).
+
+use super::OutputError;
+use super::atomic::write_atomic;
+use super::options::Compression;
+use crate::mesh::{TetMesh, quality};
+use glam::DVec3;
+use std::io::{self, Write};
+use std::path::Path;
+use vtkio::IOBuffer;
+use vtkio::model::{
+    Attribute, Attributes, ByteOrder, CellType, Cells, DataSet, UnstructuredGridPiece, Version, VertexNumbers, Vtk,
+};
+use vtkio::xml::Compressor;
+
+/// One value for each point or for each cell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Values<'a> {
+    /// Numbers.
+    Scalars(&'a [f64]),
+    /// Three components; the first such field is the active one, which "Warp By Vector" picks.
+    Vectors(&'a [DVec3]),
+    /// Symmetric tensors, XX YY ZZ XY YZ XZ.
+    Tensors(&'a [[f64; 6]]),
+    /// Yes or no, written as 1 or 0.
+    Flags(&'a [bool]),
+}
+
+/// Fields on a mesh, by name.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Fields<'a> {
+    /// What viewers show as the time of the file; the step number in a refinement run.
+    pub time: f64,
+    /// A value at each vertex.
+    pub points: Vec<(&'a str, Values<'a>)>,
+    /// A value in each cell.
+    pub cells: Vec<(&'a str, Values<'a>)>,
+}
+
+/// Writes the mesh and its fields as a `.vtu` file. The cell data `region` (index into the region names),
+/// `refinement_level` and `quality` (minimum dihedral angle in degrees) are made from the mesh. The same mesh and fields
+/// give the same bytes.
+///
+/// # Errors
+/// [`OutputError`] if a field does not fit the mesh or holds a value that is not finite, or if the file cannot be written.
+pub fn write_vtu(
+    path: &Path,
+    mesh: &TetMesh,
+    fields: &Fields<'_>,
+    compression: Compression,
+) -> Result<(), OutputError> {
+    check(path, &fields.points, mesh.points().len())?;
+    check(path, &fields.cells, mesh.tets().len())?;
+    let compressor = match compression {
+        Compression::None => Compressor::None,
+        Compression::Lz4 => Compressor::LZ4,
+        Compression::Zlib => Compressor::ZLib,
+    };
+    write_atomic(path, |w| {
+        let file = grid(mesh, fields).try_into_xml_format(compressor, COMPRESSION_LEVEL).map_err(io::Error::other)?;
+        let mut text = Vec::new();
+        file.write(&mut text).map_err(io::Error::other)?;
+        annotate(w, &text, fields.time)
+    })
+}
+
+/// Balance of speed and size for Zlib; LZ4 has no levels.
+const COMPRESSION_LEVEL: u32 = 5;
+
+impl Values<'_> {
+    fn len(&self) -> usize {
+        match self {
+            Values::Scalars(v) => v.len(),
+            Values::Vectors(v) => v.len(),
+            Values::Tensors(v) => v.len(),
+            Values::Flags(v) => v.len(),
+        }
+    }
+
+    /// Index of the first value that is not finite.
+    fn not_finite(&self) -> Option<usize> {
+        match self {
+            Values::Scalars(v) => v.iter().position(|x| !x.is_finite()),
+            Values::Vectors(v) => v.iter().position(|x| !x.is_finite()),
+            Values::Tensors(v) => v.iter().position(|t| t.iter().any(|x| !x.is_finite())),
+            Values::Flags(_) => None,
+        }
+    }
+
+    fn attribute(&self, name: &str) -> Attribute {
+        match self {
+            Values::Scalars(v) => Attribute::generic(name, 1).with_data(v.to_vec()),
+            Values::Vectors(v) => Attribute::vectors(name).with_data(coordinates(v)),
+            Values::Tensors(v) => Attribute::generic(name, 6).with_data(v.concat()),
+            Values::Flags(v) => {
+                Attribute::generic(name, 1).with_data(v.iter().map(|&b| u8::from(b)).collect::<Vec<_>>())
+            }
+        }
+    }
+}
+
+fn check(path: &Path, fields: &[(&str, Values<'_>)], want: usize) -> Result<(), OutputError> {
+    for (name, values) in fields {
+        let (path, field, got) = (path.to_owned(), (*name).to_owned(), values.len());
+        if got != want {
+            return Err(OutputError::Length { path, field, got, want });
+        }
+        if let Some(index) = values.not_finite() {
+            return Err(OutputError::NotFinite { path, field, index });
+        }
+    }
+    Ok(())
+}
+
+fn grid(mesh: &TetMesh, fields: &Fields<'_>) -> Vtk {
+    let cells = mesh.tets().len();
+    let connectivity = mesh.tets().iter().flatten().map(|&v| u64::from(v)).collect();
+    let offsets = (1..=cells as u64).map(|c| 4 * c).collect();
+    let attributes = |fields: &[(&str, Values<'_>)]| fields.iter().map(|(name, v)| v.attribute(name)).collect();
+    let mut data = Attributes { point: attributes(&fields.points), cell: attributes(&fields.cells) };
+    data.cell.extend(mesh_fields(mesh));
+    Vtk {
+        // Version 1 of the XML format: 64-bit sizes.
+        version: Version::new_xml(1, 0),
+        byte_order: ByteOrder::LittleEndian,
+        title: String::new(),
+        file_path: None,
+        data: DataSet::inline(UnstructuredGridPiece {
+            points: IOBuffer::F64(coordinates(mesh.points())),
+            cells: Cells {
+                cell_verts: VertexNumbers::XML { connectivity, offsets },
+                types: vec![CellType::Tetra; cells],
+            },
+            data,
+        }),
+    }
+}
+
+/// What the mesh itself says about each cell.
+fn mesh_fields(mesh: &TetMesh) -> [Attribute; 3] {
+    let regions: Vec<i32> = mesh.regions().iter().map(|r| i32::from(r.0)).collect();
+    let angles: Vec<f64> = (0..mesh.tets().len()).map(|t| quality::min_dihedral(mesh.cell_points(t))).collect();
+    [
+        Attribute::generic("region", 1).with_data(regions),
+        Attribute::generic("refinement_level", 1).with_data(mesh.levels().to_vec()),
+        Attribute::generic("quality", 1).with_data(angles),
+    ]
+}
+
+fn coordinates(vectors: &[DVec3]) -> Vec<f64> {
+    vectors.iter().flat_map(DVec3::to_array).collect()
+}
+
+/// Copies the file's text, adding what `vtkio` cannot express: the time and the names of the tensor components.
+fn annotate(w: &mut dyn Write, text: &[u8], time: f64) -> io::Result<()> {
+    let grid = "<UnstructuredGrid>";
+    let time = format!(
+        "{grid}<FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">{time:?}\
+         </DataArray></FieldData>"
+    );
+    let six = "NumberOfComponents=\"6\"";
+    let names: String = ["XX", "YY", "ZZ", "XY", "YZ", "XZ"]
+        .iter()
+        .enumerate()
+        .map(|(i, name)| format!(" ComponentName{i}=\"{name}\""))
+        .collect();
+    let named = format!("{six}{names}");
+    let text = std::str::from_utf8(text).map_err(io::Error::other)?;
+    // Encoded data never holds a quote or a bracket, so only tags match.
+    let (head, tail) = text.split_once(grid).ok_or_else(|| io::Error::other("no grid was encoded"))?;
+    write!(w, "{head}{time}")?;
+    let mut pieces = tail.split(six);
+    w.write_all(pieces.next().unwrap_or_default().as_bytes())?;
+    for piece in pieces {
+        write!(w, "{named}{piece}")?;
+    }
+    Ok(())
+}

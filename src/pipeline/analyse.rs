@@ -1,0 +1,94 @@
+//! One mesh analysed: solved, its stress recovered, its error estimated.
+
+use super::resolve::Resolved;
+use super::simulate::{Plan, timed};
+use crate::adapt::{self, CellErrors};
+use crate::error::Error;
+use crate::fem::{self, Solution};
+use crate::mesh::{TetMesh, quality};
+use crate::output::report::{ErrorRecord, MeshCounts, PhaseSeconds, SolverRecord, StepRecord};
+use glam::DVec3;
+
+/// The solution on a mesh and its estimated error.
+pub(super) struct Analysed {
+    pub solution: Solution,
+    pub errors: CellErrors,
+    dofs: usize,
+    free_dofs: usize,
+}
+
+/// Assembles, solves, recovers, estimates, and adds the times to `seconds`.
+///
+/// # Errors
+/// [`Error::Fem`]: the model is ill-posed, or the solver failed.
+pub(super) fn analyse(
+    index: usize,
+    mesh: &TetMesh,
+    problem: &Resolved,
+    plan: &Plan<'_>,
+    seconds: &mut PhaseSeconds,
+) -> Result<Analysed, Error> {
+    let phase = plan.progress.phase(format!("step {index}: assemble {} cells", mesh.tets().len()));
+    let system = timed(&mut seconds.assemble, || fem::assemble(mesh, &problem.model))?;
+    phase.say(format!("step {index}: solve {} equations", system.free_dofs()));
+    let solved = timed(&mut seconds.solve, || fem::solve(&system, &plan.scenario.solver))?;
+    phase.say(format!("step {index}: estimate the error"));
+    let estimator = plan.scenario.adapt.estimator;
+    let (solution, errors) = timed(&mut seconds.estimate, || {
+        let solution = fem::recover(mesh, &problem.model, &system, &solved);
+        let errors = adapt::estimate(mesh, &problem.model.materials, &solution.stress, estimator);
+        (solution, errors)
+    });
+    Ok(Analysed { solution, errors, dofs: system.dofs(), free_dofs: system.free_dofs() })
+}
+
+impl Analysed {
+    /// Estimated error of the displacement in the energy norm, relative to the norm of the displacement.
+    pub(super) fn relative_error(&self) -> f64 {
+        self.errors.relative(self.solution.strain_energy)
+    }
+
+    /// Largest estimated error of a cell, in the energy norm.
+    pub(super) fn largest_error(&self) -> f64 {
+        self.errors.squared.iter().copied().fold(0.0, f64::max).sqrt()
+    }
+
+    /// What is recorded of it; `unit` is the largest error of a cell at step 0.
+    pub(super) fn record(&self, mesh: &TetMesh, problem: &Resolved, unit: f64) -> StepRecord {
+        let info = &self.solution.info;
+        let supports = problem.model.supports.iter().zip(&self.solution.reactions);
+        StepRecord {
+            step: 0,
+            mesh: MeshCounts::of(mesh),
+            dofs: self.dofs,
+            free_dofs: self.free_dofs,
+            selected: 0,
+            strain_energy: self.solution.strain_energy,
+            max_displacement: self.solution.displacement.iter().copied().map(DVec3::length).fold(0.0, f64::max),
+            error: self.error_record(unit),
+            quality: quality::quality(mesh).into(),
+            solver: SolverRecord {
+                method: info.method.to_owned(),
+                iterations: info.iterations,
+                residual: info.residual,
+                nonzeros: info.nonzeros,
+            },
+            seconds: PhaseSeconds::default(),
+            reactions: supports.map(|(s, r)| (s.name.clone(), r.to_array())).collect(),
+            quantities: Vec::new(),
+        }
+    }
+
+    fn error_record(&self, unit: f64) -> ErrorRecord {
+        let squared = &self.errors.squared;
+        // Where nothing has an error, the normalised error is zero too.
+        let mean = |sum: f64, unit: f64| if unit > 0.0 { sum / squared.len() as f64 / unit } else { 0.0 };
+        ErrorRecord {
+            energy: self.errors.energy(),
+            relative: self.relative_error(),
+            normalised_mean: mean(squared.iter().map(|e| e.sqrt()).sum(), unit),
+            normalised_mean_square: mean(squared.iter().sum(), unit * unit),
+            effectivity: None,
+        }
+    }
+}

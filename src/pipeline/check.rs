@@ -1,0 +1,90 @@
+//! `subsolid check`: what a run would do, without solving.
+
+use super::inspect::{describe_groups, describe_mesh};
+use super::resolve::{Resolved, choose_materials};
+use super::{RunOptions, load, print, resolve, table};
+use crate::error::Error;
+use crate::fem;
+use crate::mesh::TetMesh;
+use crate::output::report::{MeshReport, write_json};
+use crate::scenario::{Refine, Scenario, Strategy};
+use std::time::Instant;
+
+/// Reads a scenario's mesh, resolves its selectors and prints what a run would do.
+///
+/// # Errors
+/// All that a run would report before it solves.
+pub fn check(scenario: &Scenario, options: &RunOptions) -> Result<(), Error> {
+    let start = Instant::now();
+    let file = load::load(scenario)?;
+    let given_groups = file.mesh.groups().len();
+    let resolved = resolve::resolve(scenario, file.mesh)?;
+    fem::check_constraints(&resolved.mesh, &resolved.model)?;
+    if let Some(path) = &options.json {
+        write_json(path, &MeshReport::of(&resolved.mesh, start.elapsed().as_secs_f64()))?;
+    }
+    if options.quiet {
+        return Ok(());
+    }
+    let mut text = format!("{}\n\n{}", scenario.title, describe_mesh(&resolved.mesh, file.format));
+    file.notes.iter().for_each(|note| text += &format!("note: {note}\n"));
+    text += &describe_groups(&resolved.mesh, given_groups);
+    text += &describe_materials(scenario, &resolved.mesh)?;
+    text += &describe_selections(&resolved);
+    text += &format!("\n{}", describe_refinement(scenario));
+    for warning in scenario.warnings.iter().chain(&resolved.warnings) {
+        text += &format!("warning: {warning}\n");
+    }
+    print(&text)
+}
+
+fn describe_materials(scenario: &Scenario, mesh: &TetMesh) -> Result<String, Error> {
+    let mut rows = table(&["region", "material", "Young's modulus", "Poisson's ratio", "density"]);
+    for (region, m) in mesh.region_names().iter().zip(choose_materials(&scenario.materials, mesh)?) {
+        let density = m.density.map_or_else(|| "-".to_owned(), |d| d.to_string());
+        rows.add_row([
+            region.clone(),
+            m.name.clone(),
+            m.youngs_modulus.to_string(),
+            m.poissons_ratio.to_string(),
+            density,
+        ]);
+    }
+    Ok(format!("\n{rows}\n"))
+}
+
+fn describe_selections(resolved: &Resolved) -> String {
+    let mut rows = table(&["acts", "name", "faces", "area"]);
+    for s in &resolved.selections {
+        rows.add_row([s.what.to_owned(), s.name.clone(), s.faces.to_string(), format!("{:.6}", s.area)]);
+    }
+    format!("\n{rows}\n")
+}
+
+/// The plan of refinement in a sentence or two.
+fn describe_refinement(scenario: &Scenario) -> String {
+    let Refine { strategy, steps, options, stop } = &scenario.refine;
+    let (scheme, boundary) = (word(&options.scheme), word(&options.boundary));
+    let plan = match strategy {
+        Strategy::None => return "refinement: none\n".to_owned(),
+        Strategy::Global => "all cells".to_owned(),
+        Strategy::Adaptive => {
+            let (marking, rings) = (word(&scenario.adapt.marking), scenario.adapt.grow);
+            format!("cells by {} error, {marking}, {rings} rings of neighbours", word(&scenario.adapt.estimator))
+        }
+    };
+    let rules = [
+        stop.relative_error.map(|e| format!("relative error {e}")),
+        stop.max_cells.map(|n| format!("{n} cells")),
+        stop.max_memory.map(|n| format!("{n} bytes")),
+        stop.seconds.map(|s| format!("{s} s")),
+    ];
+    let rules: Vec<String> = rules.into_iter().flatten().collect();
+    let stop = if rules.is_empty() { String::new() } else { format!(", ends early at {}", rules.join(" or ")) };
+    format!("refinement: {scheme}, {plan}, boundary {boundary}, at most {steps} steps{stop}\n")
+}
+
+/// The word or table a choice is written with in a scenario.
+fn word(choice: &impl serde::Serialize) -> String {
+    serde_json::to_string(choice).unwrap_or_default().replace(['"', '{', '}'], "").replace(':', " ")
+}

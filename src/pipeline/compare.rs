@@ -1,0 +1,90 @@
+//! `subsolid compare`: the same scenario refined globally and adaptively, and what adaptivity saved.
+
+use super::results::{Results, write_text};
+use super::run::{missed_tolerance, plot_curves, prepare};
+use super::simulate::{Plan, simulate};
+use super::{RunOptions, print, resolve::Resolved};
+use crate::error::Error;
+use crate::output::compare::{Comparison, ratios};
+use crate::output::progress::Progress;
+use crate::output::report::{PhaseSeconds, Report, write_json};
+use crate::output::table;
+use crate::scenario::{Scenario, Strategy};
+
+/// A pass over both strategies that takes longer than this is not repeated.
+const SHORT_SECONDS: f64 = 30.0;
+
+/// Runs a scenario globally and adaptively from the same input mesh under the same stop rules, and writes both results
+/// and the comparison. Where the whole is short, the phases are medians over `repeat` passes.
+///
+/// # Errors
+/// [`Error`] with its exit code, as [`super::run::run`]; the tolerance is asked of the adaptive run.
+pub fn compare(scenario: &Scenario, options: &RunOptions, repeat: usize) -> Result<(), Error> {
+    let problem = prepare(scenario, options)?;
+    let folder = options.folder(scenario);
+    let mut global = first_pass(scenario, options, &problem, Strategy::Global, "global")?;
+    let mut adaptive = first_pass(scenario, options, &problem, Strategy::Adaptive, "adaptive")?;
+    if global.seconds_total + adaptive.seconds_total < SHORT_SECONDS {
+        take_medians(&mut global, &passes(scenario, options, &problem, Strategy::Global, repeat)?);
+        take_medians(&mut adaptive, &passes(scenario, options, &problem, Strategy::Adaptive, repeat)?);
+    }
+    let ratios = ratios(&global, &adaptive);
+    let text = table::comparison(&global, &adaptive, &ratios, scenario.published.as_ref());
+    let comparison = Comparison { global: &global, adaptive: &adaptive, ratios: &ratios };
+    write_json(&folder.join("compare.json"), &comparison)?;
+    write_text(&folder.join("compare.txt"), &text)?;
+    plot_curves(&folder, &[("global", &global), ("adaptive", &adaptive)])?;
+    if let Some(path) = &options.json {
+        write_json(path, &comparison)?;
+    }
+    if !options.quiet {
+        print(&format!("{text}\nresults in {}\n", folder.display()))?;
+    }
+    missed_tolerance(scenario, &adaptive).map_or(Ok(()), Err)
+}
+
+/// The pass whose results are written, into a folder of the strategy's name.
+fn first_pass(
+    scenario: &Scenario,
+    options: &RunOptions,
+    problem: &Resolved,
+    strategy: Strategy,
+    name: &str,
+) -> Result<Report, Error> {
+    let mut results = Results::begin(options.folder(scenario).join(name), scenario)?;
+    let report = simulate(problem, &plan(scenario, options, strategy), &mut |step| results.step(step))?;
+    results.finish(&report)?;
+    Ok(report)
+}
+
+/// The other passes, which only take the time.
+fn passes(
+    scenario: &Scenario,
+    options: &RunOptions,
+    problem: &Resolved,
+    strategy: Strategy,
+    repeat: usize,
+) -> Result<Vec<Report>, Error> {
+    (1..repeat).map(|_| simulate(problem, &plan(scenario, options, strategy), &mut |_| Ok(()))).collect()
+}
+
+fn plan<'a>(scenario: &'a Scenario, options: &RunOptions, strategy: Strategy) -> Plan<'a> {
+    Plan { scenario, strategy, memory: options.memory, progress: Progress::new(options.quiet) }
+}
+
+/// Replaces the seconds of each phase that computes by the median over the report and the further passes.
+fn take_medians(report: &mut Report, others: &[Report]) {
+    let phases: [fn(&mut PhaseSeconds) -> &mut f64; 5] =
+        [|s| &mut s.refine, |s| &mut s.assemble, |s| &mut s.solve, |s| &mut s.estimate, |s| &mut s.mark];
+    for (i, step) in report.steps.iter_mut().enumerate() {
+        for phase in phases {
+            let mut values: Vec<f64> =
+                others.iter().filter_map(|o| o.steps.get(i)).map(|s| *phase(&mut s.seconds.clone())).collect();
+            values.push(*phase(&mut step.seconds));
+            values.sort_by(f64::total_cmp);
+            *phase(&mut step.seconds) = values[values.len() / 2];
+        }
+        let s = &mut step.seconds;
+        s.total = s.refine + s.assemble + s.solve + s.estimate + s.mark + s.write;
+    }
+}

@@ -1,0 +1,97 @@
+//! `subsolid inspect`: what a mesh file holds.
+
+use super::{load, print, select, table};
+use crate::error::Error;
+use crate::mesh::{GroupId, TetMesh, features, quality, read, topology};
+use crate::output::report::{MeshReport, write_json};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// What the command line says about an inspection.
+#[derive(Debug, Clone)]
+pub struct Inspection {
+    /// The mesh file.
+    pub mesh: PathBuf,
+    /// Feature angle in degrees.
+    pub feature_angle: f64,
+    /// Print errors only.
+    pub quiet: bool,
+    /// File for the figures.
+    pub json: Option<PathBuf>,
+}
+
+/// Reads a mesh and prints its counts, groups, regions and quality.
+///
+/// # Errors
+/// [`Error::Mesh`] if it cannot be read, [`Error::Output`] if the JSON file cannot be written.
+pub fn inspect(inspection: &Inspection) -> Result<(), Error> {
+    let start = Instant::now();
+    let file = read::read(&load::find(&inspection.mesh, Path::new(""))?)?;
+    let mesh = features::with_creases(file.mesh, inspection.feature_angle, &[]);
+    if let Some(path) = &inspection.json {
+        write_json(path, &MeshReport::of(&mesh, start.elapsed().as_secs_f64()))?;
+    }
+    if inspection.quiet {
+        return Ok(());
+    }
+    let mut text = describe_mesh(&mesh, file.format);
+    file.notes.iter().for_each(|note| text += &format!("note: {note}\n"));
+    text += &describe_regions(&mesh);
+    text += &describe_groups(&mesh, mesh.groups().len());
+    print(&text)
+}
+
+/// Counts, size and quality.
+pub(super) fn describe_mesh(mesh: &TetMesh, format: &str) -> String {
+    let q = quality::quality(mesh);
+    let (lo, hi) = mesh.bounding_box();
+    let (feature_edges, length) = features::feature_count_and_length(mesh);
+    let (_, parts) = topology::parts(mesh.tets());
+    let mut rows = table(&["mesh", format]);
+    let mut row = |what: &str, value: String| {
+        rows.add_row([what.to_owned(), value]);
+    };
+    row("cells", mesh.tets().len().to_string());
+    row("nodes", mesh.points().len().to_string());
+    row("edges", topology::edges(mesh.tets()).len().to_string());
+    row("boundary faces", mesh.faces().len().to_string());
+    row("feature edges", format!("{feature_edges}, total length {length:.6}"));
+    row("connected parts", parts.to_string());
+    row("volume", format!("{:.6}", mesh.volume()));
+    row("bounding box", format!("{lo} to {hi}"));
+    row(
+        "minimum dihedral angles",
+        format!("worst {:.2}, average {:.2}, best {:.2} degrees", q.worst, q.average, q.best),
+    );
+    row("cells at a vertex", format!("at most {}, average {:.2}", q.max_valence, q.average_valence));
+    row("inverted cells", q.inverted.to_string());
+    format!("{rows}\n")
+}
+
+/// The regions with their cells and volumes.
+fn describe_regions(mesh: &TetMesh) -> String {
+    let mut totals = vec![(0_usize, 0.0); mesh.region_names().len()];
+    for (t, region) in mesh.regions().iter().enumerate() {
+        let (cells, volume) = &mut totals[region.0 as usize];
+        *cells += 1;
+        *volume += mesh.cell_volume(t);
+    }
+    let mut rows = table(&["region", "cells", "volume"]);
+    for (name, (cells, volume)) in mesh.region_names().iter().zip(totals) {
+        rows.add_row([name.clone(), cells.to_string(), format!("{volume:.6}")]);
+    }
+    format!("\n{rows}\n")
+}
+
+/// The first `count` groups with their faces and areas.
+pub(super) fn describe_groups(mesh: &TetMesh, count: usize) -> String {
+    if count == 0 {
+        return "\nno groups of boundary faces\n".to_owned();
+    }
+    let mut rows = table(&["group", "faces", "area"]);
+    for (id, name) in (0..).map(GroupId).zip(&mesh.groups()[..count]) {
+        let area = select::area(mesh, mesh.group_faces(id));
+        rows.add_row([name.clone(), mesh.group_faces(id).count().to_string(), format!("{area:.6}")]);
+    }
+    format!("\n{rows}\n")
+}

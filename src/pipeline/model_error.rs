@@ -1,0 +1,104 @@
+//! Why supports, loads and materials do not fit a mesh.
+
+use crate::mesh::MeshError;
+use glam::DVec3;
+
+/// Why a scenario and its mesh do not make a well-posed model.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum ModelError {
+    /// Cells without a material.
+    #[error("no material for {regions}")]
+    #[diagnostic(help("{help}"))]
+    NoMaterial {
+        /// The regions with their numbers of cells.
+        regions: String,
+        /// What to add.
+        help: String,
+    },
+    /// A material for a region that does not exist.
+    #[error("{place}: material `{material}` fills region `{region}`, which the mesh does not have")]
+    #[diagnostic(help("{help}"))]
+    UnknownRegion {
+        /// Where the material is written.
+        place: String,
+        /// Its name.
+        material: String,
+        /// The region it asks for.
+        region: String,
+        /// The regions there are.
+        help: String,
+    },
+    /// Nothing holds the body.
+    #[error(
+        "the scenario has no supports: the body is free to move along x, y and z and to turn about x, y and z \
+         (six free motions)"
+    )]
+    #[diagnostic(help("add a support, for example\n[supports.clamp]\ngroup = \"x-min\"\nfix = [\"x\", \"y\", \"z\"]"))]
+    NoSupports,
+    /// A selector names a group that does not exist.
+    #[error("{place}: {what} acts on group `{group}`, which the mesh does not have")]
+    #[diagnostic(help("{help}"))]
+    UnknownGroup {
+        /// Where the support or load is written.
+        place: String,
+        /// The support or load.
+        what: String,
+        /// The group it asks for.
+        group: String,
+        /// The groups there are.
+        help: String,
+    },
+    /// A selector matches no boundary face.
+    #[error("{place}: the selector of {what} matches no boundary face")]
+    #[diagnostic(help("{help}"))]
+    EmptySelection {
+        /// Where the support or load is written.
+        place: String,
+        /// The support or load.
+        what: String,
+        /// How far it misses, and what there is.
+        help: String,
+    },
+    /// Two supports disagree.
+    #[error(
+        "supports `{}` and `{}` prescribe {axis} = {} and {axis} = {} at vertex {vertex} ({}, {}, {})",
+        names[0], names[1], values[0], values[1], position.x, position.y, position.z
+    )]
+    #[diagnostic(help("let their faces not meet, or free {axis} in one of them"))]
+    Conflict {
+        /// A vertex where they meet.
+        vertex: u32,
+        /// Its position.
+        position: DVec3,
+        /// The component of the displacement.
+        axis: char,
+        /// The supports.
+        names: [String; 2],
+        /// Their values.
+        values: [f64; 2],
+    },
+    /// Gravity acts on a material of unknown density.
+    #[error("{place}: load `{load}` is gravity, but {materials} no density")]
+    #[diagnostic(help("add density = ... (mass per volume, in units that agree with the moduli)"))]
+    NoDensity {
+        /// Where the load is written.
+        place: String,
+        /// Its name.
+        load: String,
+        /// "material `a` has" or "materials `a`, `b` have".
+        materials: String,
+    },
+    /// A feature that the mesh does not have.
+    #[error("features.{key}: {problem}")]
+    #[diagnostic(help("vertices are numbered from 0 as the point ids of step_000.vtu"))]
+    Feature {
+        /// `edges` or `corners`.
+        key: &'static str,
+        /// Which entry, and why it does not fit.
+        problem: String,
+    },
+    /// The mesh with its groups and corners is not sound.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Mesh(#[from] MeshError),
+}

@@ -1,0 +1,177 @@
+//! From a scenario and a mesh to a model: selectors become groups, materials find their regions, features are found.
+
+use super::{ModelError, hints, loading, select};
+use crate::fem::{self, Model};
+use crate::mesh::{GroupId, TetMesh, features, topology::sorted2};
+use crate::scenario::{LoadKind, Material, Scenario, Selector, Support, suggest};
+
+/// A mesh and what is to be solved on it.
+#[derive(Debug, Clone)]
+pub struct Resolved {
+    /// The mesh with a group for each support and load, and with its creases and corners.
+    pub mesh: TetMesh,
+    /// Materials, supports and loads on its regions and groups.
+    pub model: Model,
+    /// What each selector matched.
+    pub selections: Vec<Selection>,
+    /// What is allowed but deserves a word.
+    pub warnings: Vec<String>,
+}
+
+/// What a selector matched.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Selection {
+    /// Name of the support or load.
+    pub name: String,
+    /// `support` or `load`.
+    pub what: &'static str,
+    /// Number of boundary faces.
+    pub faces: usize,
+    /// Their area.
+    pub area: f64,
+}
+
+/// Resolves a scenario on its mesh.
+///
+/// # Errors
+/// [`ModelError`]: regions without material, no supports, selectors that match nothing, supports that contradict each
+/// other, gravity without density, features that are not in the mesh.
+pub fn resolve(scenario: &Scenario, mesh: TetMesh) -> Result<Resolved, ModelError> {
+    let chosen = choose_materials(&scenario.materials, &mesh)?;
+    if scenario.supports.is_empty() {
+        return Err(ModelError::NoSupports);
+    }
+    let mut targets = Targets { mesh, selections: Vec::new() };
+    let supports = scenario.supports.iter().map(|s| targets.support(s)).collect::<Result<Vec<_>, _>>()?;
+    let mut loads = Vec::new();
+    for load in &scenario.loads {
+        let kind = match &load.kind {
+            LoadKind::Traction(s, t) => fem::LoadKind::Traction(targets.group("load", &load.name, &load.place, s)?, *t),
+            LoadKind::Pressure(s, p) => fem::LoadKind::Pressure(targets.group("load", &load.name, &load.place, s)?, *p),
+            LoadKind::Force(s, f) => fem::LoadKind::Force(targets.group("load", &load.name, &load.place, s)?, *f),
+            LoadKind::Gravity(g) => {
+                check_density(&load.name, &load.place, &chosen)?;
+                fem::LoadKind::Gravity(*g)
+            }
+        };
+        loads.push(fem::Load { name: load.name.clone(), kind });
+    }
+    let Targets { mesh, selections } = targets;
+    let model = Model { materials: chosen.iter().map(|m| properties(m)).collect(), supports, loads };
+    let prescribed = loading::prescribed(&mesh, &model)?;
+    let warnings = loading::warnings(&mesh, &model, &prescribed);
+    Ok(Resolved { mesh: with_features(scenario, mesh)?, model, selections, warnings })
+}
+
+fn properties(m: &Material) -> fem::Material {
+    fem::Material {
+        youngs_modulus: m.youngs_modulus,
+        poissons_ratio: m.poissons_ratio,
+        density: m.density.unwrap_or(0.0),
+    }
+}
+
+/// The material of each region: the one that names it, else the one that names none.
+pub(super) fn choose_materials<'a>(materials: &'a [Material], mesh: &TetMesh) -> Result<Vec<&'a Material>, ModelError> {
+    let regions: Vec<&str> = mesh.region_names().iter().map(String::as_str).collect();
+    for m in materials {
+        if let Some(region) = m.group.as_ref().filter(|g| !regions.contains(&g.as_str())) {
+            let (place, material, region) = (m.place.clone(), m.name.clone(), region.clone());
+            let help = suggest::help(&region, "regions of this mesh", &regions);
+            return Err(ModelError::UnknownRegion { place, material, region, help });
+        }
+    }
+    let named = |region: &str| materials.iter().find(|m| m.group.as_deref() == Some(region));
+    let general = materials.iter().find(|m| m.group.is_none());
+    let chosen: Vec<Option<&Material>> = regions.iter().map(|r| named(r).or(general)).collect();
+    if let Some(bare) = chosen.iter().position(Option::is_none) {
+        return Err(no_material(mesh, &chosen, regions[bare]));
+    }
+    Ok(chosen.into_iter().flatten().collect())
+}
+
+fn no_material(mesh: &TetMesh, chosen: &[Option<&Material>], example: &str) -> ModelError {
+    let mut cells = vec![0_usize; chosen.len()];
+    mesh.regions().iter().for_each(|r| cells[r.0 as usize] += 1);
+    let bare = (0..chosen.len()).filter(|&r| chosen[r].is_none());
+    let list: Vec<String> = bare.map(|r| format!("region `{}` ({} cells)", mesh.region_names()[r], cells[r])).collect();
+    let help = format!(
+        "add a table, for example\n[materials.steel]\nyoungs_modulus = 210e9\npoissons_ratio = 0.3\n\
+         group = {example:?}   # without this line: all regions that no other material names"
+    );
+    ModelError::NoMaterial { regions: list.join(", "), help }
+}
+
+fn check_density(load: &str, place: &str, chosen: &[&Material]) -> Result<(), ModelError> {
+    let mut bare: Vec<String> =
+        chosen.iter().filter(|m| m.density.is_none()).map(|m| format!("`{}`", m.name)).collect();
+    bare.dedup();
+    let materials = match bare.len() {
+        0 => return Ok(()),
+        1 => format!("material {} has", bare[0]),
+        _ => format!("materials {} have", bare.join(", ")),
+    };
+    Err(ModelError::NoDensity { place: place.to_owned(), load: load.to_owned(), materials })
+}
+
+/// The mesh while groups are added to it.
+struct Targets {
+    mesh: TetMesh,
+    selections: Vec<Selection>,
+}
+
+impl Targets {
+    fn support(&mut self, s: &Support) -> Result<fem::Support, ModelError> {
+        let group = self.group("support", &s.name, &s.place, &s.selector)?;
+        Ok(fem::Support { name: s.name.clone(), group, displacement: s.displacement })
+    }
+
+    /// The group of the faces that a selector matches: the mesh's own if it names one, else a new one.
+    fn group(&mut self, what: &'static str, name: &str, place: &str, s: &Selector) -> Result<GroupId, ModelError> {
+        let title = format!("{what} `{name}`");
+        let selected = select::select(&self.mesh, s).map_err(|unknown| {
+            let help = hints::unknown_group(&self.mesh, &unknown.0);
+            ModelError::UnknownGroup { place: place.to_owned(), what: title.clone(), group: unknown.0, help }
+        })?;
+        if !selected.contains(&true) {
+            let help = hints::empty_selection(&self.mesh, s);
+            return Err(ModelError::EmptySelection { place: place.to_owned(), what: title, help });
+        }
+        let chosen = || self.mesh.faces().iter().zip(&selected).filter(|(_, chosen)| **chosen).map(|(face, _)| face);
+        let (faces, area) = (chosen().count(), select::area(&self.mesh, chosen()));
+        self.selections.push(Selection { name: name.to_owned(), what, faces, area });
+        if let Selector::Group(existing) = s
+            && let Some(id) = self.mesh.group(existing)
+        {
+            return Ok(id);
+        }
+        let (mesh, id) = self.mesh.clone().with_group(&format!("{what} {name}"), &selected)?;
+        self.mesh = mesh;
+        Ok(id)
+    }
+}
+
+/// The mesh with its creases and corners.
+fn with_features(scenario: &Scenario, mesh: TetMesh) -> Result<TetMesh, ModelError> {
+    let tagged = &scenario.features;
+    if !tagged.edges.is_empty() {
+        let edges = features::boundary_edges(mesh.faces());
+        let missing = |e: &&[u32; 2]| edges.binary_search_by_key(&sorted2(**e), |(key, _)| *key).is_err();
+        if let Some([a, b]) = tagged.edges.iter().find(missing) {
+            let problem = format!("[{a}, {b}] is not an edge of the boundary");
+            return Err(ModelError::Feature { key: "edges", problem });
+        }
+    }
+    let count = mesh.points().len();
+    if let Some(v) = tagged.corners.iter().find(|&&v| v as usize >= count) {
+        let problem = format!("vertex {v} does not exist: the mesh has {count}");
+        return Err(ModelError::Feature { key: "corners", problem });
+    }
+    let mesh = features::with_creases(mesh, tagged.angle, &tagged.edges);
+    if tagged.corners.is_empty() {
+        return Ok(mesh);
+    }
+    let mut parts = mesh.into_parts();
+    parts.corners.extend(&tagged.corners);
+    Ok(TetMesh::new(parts)?)
+}

@@ -1,0 +1,83 @@
+//! `subsolid run`: one scenario from its file to its results.
+
+use super::resolve::{Resolved, resolve};
+use super::results::Results;
+use super::simulate::{Plan, simulate};
+use super::{RunOptions, load::load, print};
+use crate::error::Error;
+use crate::fem;
+use crate::output::plot::{Axis, error_curves};
+use crate::output::progress::Progress;
+use crate::output::report::{Report, StopReason, write_json};
+use crate::output::table;
+use crate::scenario::Scenario;
+use std::path::Path;
+
+/// Runs a scenario and writes its results.
+///
+/// # Errors
+/// [`Error`] with its exit code; [`Error::ToleranceNotReached`] after everything is written, if the scenario asks for an
+/// error that was not reached.
+pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<Report, Error> {
+    let problem = prepare(scenario, options)?;
+    let mut results = Results::begin(options.folder(scenario), scenario)?;
+    let plan = Plan {
+        scenario,
+        strategy: scenario.refine.strategy,
+        memory: options.memory,
+        progress: Progress::new(options.quiet),
+    };
+    let report = simulate(&problem, &plan, &mut |step| results.step(step))?;
+    if scenario.output.report {
+        plot_curves(&options.folder(scenario), &[("this run", &report)])?;
+    }
+    results.finish(&report)?;
+    if let Some(path) = &options.json {
+        write_json(path, &report)?;
+    }
+    if !options.quiet {
+        let folder = options.folder(scenario);
+        print(&format!("{}\nresults in {}\n", table::steps(&report.steps), folder.display()))?;
+    }
+    match missed_tolerance(scenario, &report) {
+        Some(error) => Err(error),
+        None => Ok(report),
+    }
+}
+
+/// Reads the mesh, resolves the scenario on it and checks that the supports hold it, before anything is written.
+pub(super) fn prepare(scenario: &Scenario, options: &RunOptions) -> Result<Resolved, Error> {
+    let file = load(scenario)?;
+    let problem = resolve(scenario, file.mesh)?;
+    fem::check_constraints(&problem.mesh, &problem.model)?;
+    if !options.quiet {
+        let remarks = file.notes.iter().map(|n| format!("note: {n}\n"));
+        let warnings = scenario.warnings.iter().chain(&problem.warnings).map(|w| format!("warning: {w}\n"));
+        print(&format!("{}\n{}", scenario.title, remarks.chain(warnings).collect::<String>()))?;
+    }
+    Ok(problem)
+}
+
+/// Plots the relative error against dofs and against seconds.
+pub(super) fn plot_curves(folder: &Path, runs: &[(&str, &Report)]) -> Result<(), Error> {
+    let curve = |(name, report): &(&str, &Report), axis: Axis| {
+        let mut spent = 0.0;
+        let points = report.steps.iter().map(|s| {
+            spent += s.seconds.total - s.seconds.write;
+            (if axis == Axis::Dofs { s.free_dofs as f64 } else { spent }, s.error.relative)
+        });
+        ((*name).to_owned(), points.collect())
+    };
+    for (axis, file) in [(Axis::Dofs, "error_dofs.svg"), (Axis::Seconds, "error_seconds.svg")] {
+        let curves: Vec<(String, Vec<(f64, f64)>)> = runs.iter().map(|run| curve(run, axis)).collect();
+        error_curves(&folder.join(file), axis, &curves)?;
+    }
+    Ok(())
+}
+
+/// The error to end with if the scenario asks for a relative error and the run ended without it.
+pub(super) fn missed_tolerance(scenario: &Scenario, report: &Report) -> Option<Error> {
+    let asked = scenario.refine.stop.relative_error.filter(|_| report.stop_reason != StopReason::RelativeError)?;
+    let reached = report.steps.last()?.error.relative;
+    Some(Error::ToleranceNotReached { asked, reached })
+}

@@ -1,0 +1,146 @@
+//! The loop: solve, estimate, record, stop?, mark, grow, refine.
+
+use super::MemoryProbe;
+use super::analyse::{Analysed, analyse};
+use super::resolve::Resolved;
+use crate::adapt;
+use crate::error::Error;
+use crate::mesh::TetMesh;
+use crate::output::progress::Progress;
+use crate::output::report::{PROGRAM, PhaseSeconds, Report, SCHEMA, StepRecord, StopReason};
+use crate::scenario::{Scenario, Strategy};
+use crate::subdiv::{self, History};
+use std::time::Instant;
+
+/// What the loop needs besides the problem.
+pub(super) struct Plan<'a> {
+    pub scenario: &'a Scenario,
+    pub strategy: Strategy,
+    pub memory: MemoryProbe,
+    pub progress: Progress,
+}
+
+/// A mesh with its solution, for whoever writes files of it.
+pub(super) struct Step<'a> {
+    pub index: usize,
+    pub mesh: &'a TetMesh,
+    pub analysed: &'a Analysed,
+    /// The cells selected on this mesh for the next step.
+    pub selected: &'a [bool],
+}
+
+/// Runs the loop on the resolved problem. `observe` sees each step before the next mesh is made; its time counts as
+/// writing.
+///
+/// # Errors
+/// What the solver or the scheme cannot do, and what `observe` returns.
+pub(super) fn simulate(
+    problem: &Resolved,
+    plan: &Plan<'_>,
+    observe: &mut dyn FnMut(&Step<'_>) -> Result<(), Error>,
+) -> Result<Report, Error> {
+    (plan.memory.reset)();
+    let start = Instant::now();
+    let (mut mesh, mut history) = (problem.mesh.clone(), History::default());
+    let (mut steps, mut refine_seconds, mut largest_error) = (Vec::new(), 0.0, None);
+    let stop_reason = loop {
+        let index = steps.len();
+        let mut seconds = PhaseSeconds { refine: refine_seconds, ..PhaseSeconds::default() };
+        let analysed = analyse(index, &mesh, problem, plan, &mut seconds)?;
+        let unit = *largest_error.get_or_insert_with(|| analysed.largest_error());
+
+        let reached = reason_to_stop(plan, index, &mesh, &analysed, start);
+        let selected = timed(&mut seconds.mark, || select(&mesh, &analysed, plan, reached))?;
+        let stop = reached.or_else(|| reason_not_to_refine(plan, &selected));
+
+        let step = Step { index, mesh: &mesh, analysed: &analysed, selected: &selected };
+        timed(&mut seconds.write, || observe(&step))?;
+        steps.push(record(&step, problem, seconds, unit));
+        if let Some(reason) = stop {
+            break reason;
+        }
+        let _phase = plan.progress.phase(format!("step {}: refine", index + 1));
+        refine_seconds = 0.0;
+        let refine = || subdiv::refine(&mesh, &history, &selected, &plan.scenario.refine.options);
+        let refined = timed(&mut refine_seconds, refine)?;
+        (mesh, history) = (refined.mesh, refined.history);
+    };
+    Ok(Report {
+        schema: SCHEMA,
+        program: PROGRAM.to_owned(),
+        scenario: plan.scenario.path.display().to_string(),
+        threads: rayon::current_num_threads(),
+        stop_reason,
+        steps,
+        seconds_total: start.elapsed().as_secs_f64(),
+        peak_memory_bytes: (plan.memory.peak)() as u64,
+    })
+}
+
+/// Runs `work` and adds its wall time to `seconds`.
+pub(super) fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {
+    let start = Instant::now();
+    let result = work();
+    *seconds += start.elapsed().as_secs_f64();
+    result
+}
+
+/// The stop rule that is met by what is known before marking.
+fn reason_to_stop(
+    plan: &Plan<'_>,
+    index: usize,
+    mesh: &TetMesh,
+    analysed: &Analysed,
+    start: Instant,
+) -> Option<StopReason> {
+    let stop = &plan.scenario.refine.stop;
+    if stop.relative_error.is_some_and(|asked| analysed.relative_error() <= asked) {
+        Some(StopReason::RelativeError)
+    } else if plan.strategy == Strategy::None || index >= plan.scenario.refine.steps {
+        Some(StopReason::Steps)
+    } else if stop.max_cells.is_some_and(|most| mesh.tets().len() >= most) {
+        Some(StopReason::MaxCells)
+    } else if stop.seconds.is_some_and(|most| start.elapsed().as_secs_f64() >= most) {
+        Some(StopReason::Seconds)
+    } else {
+        None
+    }
+}
+
+/// The stop rule that is met by the selection: nothing to refine, or a next step above the memory limit.
+fn reason_not_to_refine(plan: &Plan<'_>, selected: &[bool]) -> Option<StopReason> {
+    let count = selected.iter().filter(|s| **s).count();
+    if count == 0 {
+        return Some(StopReason::Exact);
+    }
+    // A refined cell becomes about eight; memory grows at least in proportion.
+    let growth = (selected.len() + 7 * count) as f64 / selected.len() as f64;
+    let forecast = (plan.memory.peak)() as f64 * growth;
+    plan.scenario.refine.stop.max_memory.is_some_and(|most| forecast > most as f64).then_some(StopReason::MaxMemory)
+}
+
+/// The cells to refine; none if the run stops here.
+fn select(
+    mesh: &TetMesh,
+    analysed: &Analysed,
+    plan: &Plan<'_>,
+    reached: Option<StopReason>,
+) -> Result<Vec<bool>, Error> {
+    let count = mesh.tets().len();
+    match plan.strategy {
+        _ if reached.is_some() => Ok(vec![false; count]),
+        Strategy::None => Ok(vec![false; count]),
+        Strategy::Global => Ok(vec![true; count]),
+        Strategy::Adaptive => {
+            let marked = adapt::mark(&analysed.errors, plan.scenario.adapt.marking)?;
+            Ok(adapt::grow(mesh, marked, plan.scenario.adapt.grow))
+        }
+    }
+}
+
+/// The record of a finished step; `unit` is the largest error of a cell at step 0.
+fn record(step: &Step<'_>, problem: &Resolved, mut seconds: PhaseSeconds, unit: f64) -> StepRecord {
+    seconds.total = seconds.refine + seconds.assemble + seconds.solve + seconds.estimate + seconds.mark + seconds.write;
+    let selected = step.selected.iter().filter(|s| **s).count();
+    StepRecord { step: step.index, selected, seconds, ..step.analysed.record(step.mesh, problem, unit) }
+}

@@ -1,0 +1,297 @@
+//! Keys as written -> checked values.
+
+use super::document::Document;
+use super::error::Fault;
+use super::numbers::{Checked, finite, integer, outside, positive, vector, within};
+use super::raw::*;
+use super::selector::{KINDS, at_most_one, no_selector, one};
+use super::*;
+use crate::output::options::PublishedStep;
+use crate::subdiv::options::{Boundary, Scheme};
+use std::ops::Range;
+use toml::Spanned;
+
+/// Most refinement steps a scenario may ask for.
+const MAX_STEPS: i64 = 20;
+
+/// Most cells a generated box may have before each is cut into tetrahedra.
+const MAX_BOX_CELLS: usize = 100_000_000;
+
+/// Checks everything that can be checked without the mesh. Leaves path, folder, text and overrides empty.
+pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Scenario> {
+    let mut warnings = Vec::new();
+    let place = |span: &Range<usize>| document.place(span);
+    let materials = materials(raw.materials.unwrap_or_default(), &place, &mut warnings)?;
+    let supports = raw.supports.unwrap_or_default().into_iter().map(|(name, t)| support(name, t, &place));
+    let loads = raw.loads.unwrap_or_default().into_iter().map(|(name, t)| load(name, t, &place));
+    Ok(Scenario {
+        path: PathBuf::new(),
+        directory: PathBuf::new(),
+        text: String::new(),
+        overrides: Vec::new(),
+        title: raw.title.unwrap_or_default(),
+        mesh: mesh(raw.mesh)?,
+        features: features(raw.features)?,
+        materials,
+        supports: supports.collect::<Checked<_>>()?,
+        loads: loads.collect::<Checked<_>>()?,
+        refine: refine(raw.refine.map(|t| t.value), &mut warnings)?,
+        adapt: adapt(raw.adapt.map(|t| t.value).unwrap_or_default())?,
+        solver: solver(raw.solver.map(|t| t.value).unwrap_or_default())?,
+        output: output(&raw.output.map(|t| t.value).unwrap_or_default()),
+        published: raw.published.map(|t| published(t.value)).transpose()?,
+        warnings,
+    })
+}
+
+fn mesh(raw: Option<Table<RawMesh>>) -> Checked<MeshSource> {
+    let help = "add [mesh] with file = \"part.msh\", or [mesh.box] with size = [4, 1, 1] and cells = [8, 2, 2]";
+    let Some(Table { span, value }) = raw else {
+        return Err(Fault::new(0..0, "the scenario has no [mesh]", "no [mesh] in this file").help(help));
+    };
+    match (value.file, value.brick) {
+        (Some(_), Some(brick)) => Err(Fault::new(brick.span, "stands beside `file`", "one mesh too many")
+            .help("keep either mesh.file or mesh.box")),
+        (None, None) => Err(Fault::new(span, "names no mesh", "which mesh?").help(help)),
+        (Some(file), None) => Ok(MeshSource::File(PathBuf::from(file.into_inner()))),
+        (None, Some(brick)) => match value.midside {
+            Some(midside) => Err(Fault::new(midside.span(), "goes with mesh.file only", "remove this")),
+            None => self::brick(&brick.value),
+        },
+    }
+}
+
+fn brick(raw: &RawBrick) -> Checked<MeshSource> {
+    let size = vector(&raw.size)?;
+    if size.min_element() <= 0.0 {
+        return Err(outside(raw.size.span(), &size, "three positive lengths"));
+    }
+    let given = raw.cells.get_ref();
+    let range = format!("three integers from 1 whose product is at most {MAX_BOX_CELLS}");
+    let fault = || outside(raw.cells.span(), &format!("{given:?}"), &range);
+    let cells: Vec<usize> = given.iter().filter_map(|&n| usize::try_from(n).ok()).collect();
+    let &[x, y, z] = &cells[..] else { return Err(fault()) };
+    match x.checked_mul(y).and_then(|xy| xy.checked_mul(z)) {
+        Some(1..=MAX_BOX_CELLS) => Ok(MeshSource::Box { size: size.to_array(), cells: [x, y, z] }),
+        _ => Err(fault()),
+    }
+}
+
+fn features(raw: Option<Table<RawFeatures>>) -> Checked<Features> {
+    let Some(Table { value: raw, .. }) = raw else {
+        return Ok(Features { angle: 40.0, edges: Vec::new(), corners: Vec::new() });
+    };
+    let angle = raw.angle.map(|a| within(&a, "an angle from 0 to 180 degrees", |a| (0.0..=180.0).contains(&a)));
+    let edge = |e: Spanned<Vec<u32>>| match e.get_ref()[..] {
+        [a, b] if a != b => Ok([a, b]),
+        _ => Err(outside(e.span(), &format!("{:?}", e.get_ref()), "two different vertex numbers")),
+    };
+    Ok(Features {
+        angle: angle.transpose()?.unwrap_or(40.0),
+        edges: raw.edges.unwrap_or_default().into_iter().map(edge).collect::<Checked<_>>()?,
+        corners: raw.corners.unwrap_or_default(),
+    })
+}
+
+type Place<'a> = &'a dyn Fn(&Range<usize>) -> String;
+
+fn materials(raw: Named<RawMaterial>, place: Place, warnings: &mut Vec<String>) -> Checked<Vec<Material>> {
+    let mut materials: Vec<Material> = Vec::new();
+    for (name, table) in raw {
+        let group = table.value.group.as_ref().map(|g| g.get_ref().clone());
+        if let Some(other) = materials.iter().find(|m| m.group == group) {
+            let span = table.value.group.as_ref().map_or(table.span, Spanned::span);
+            return Err(Fault::new(span, format!("fills the same regions as `{}`", other.name), "which of the two?")
+                .help("give each material the region it fills: group = \"...\" (at most one may go without)"));
+        }
+        materials.push(material(name, &table, group, place, warnings)?);
+    }
+    Ok(materials)
+}
+
+fn material(
+    name: String,
+    Table { span, value: raw }: &Table<RawMaterial>,
+    group: Option<String>,
+    place: Place,
+    warnings: &mut Vec<String>,
+) -> Checked<Material> {
+    let nu = *raw.poissons_ratio.get_ref();
+    if nu == 0.5 {
+        let fault = outside(raw.poissons_ratio.span(), &nu, "below 0.5: the material would be incompressible");
+        return Err(fault.help("displacement elements cannot carry it; rubber is usually computed with about 0.49"));
+    }
+    let poissons_ratio = within(&raw.poissons_ratio, "above -1 and below 0.5", |nu| nu > -1.0 && nu < 0.5)?;
+    if nu > 0.49 {
+        warnings.push(format!(
+            "materials.{name}: poissons_ratio = {nu} is nearly incompressible; linear tetrahedra lock (too stiff) above 0.49"
+        ));
+    }
+    Ok(Material {
+        place: place(span),
+        youngs_modulus: positive(&raw.youngs_modulus)?,
+        poissons_ratio,
+        density: raw.density.as_ref().map(positive).transpose()?,
+        group,
+        name,
+    })
+}
+
+fn support(name: String, Table { span, value }: Table<RawSupport>, place: Place) -> Checked<Support> {
+    let mut value = value;
+    let mut displacement = [None; 3];
+    if let Some(Table { value: given, .. }) = &value.displacement {
+        for (slot, x) in displacement.iter_mut().zip([&given.x, &given.y, &given.z]) {
+            *slot = x.as_ref().map(finite).transpose()?;
+        }
+    }
+    for axis in value.fix.take().map(Spanned::into_inner).unwrap_or_default() {
+        let slot = &mut displacement[*axis.get_ref() as usize];
+        if slot.is_some() {
+            return Err(Fault::new(axis.span(), "is prescribed twice", "named before").help("name each direction once"));
+        }
+        *slot = Some(0.0);
+    }
+    if displacement.iter().all(Option::is_none) {
+        return Err(Fault::new(span, "prescribes nothing", "which directions?")
+            .help("add fix = [\"x\", \"y\", \"z\"] or displacement = { y = -0.1 } (free where not named)"));
+    }
+    let place = place(&span);
+    Ok(Support { selector: one(value.into(), &span)?, name, place, displacement })
+}
+
+fn load(name: String, Table { span, value }: Table<RawLoad>, place: Place) -> Checked<Load> {
+    check_one_kind(&value)?;
+    let place = place(&span);
+    let (traction, force) = (value.traction.as_ref().map(vector), value.force.as_ref().map(vector));
+    let (pressure, gravity) = (value.pressure.as_ref().map(finite), value.gravity.as_ref().map(vector));
+    let selector = at_most_one(value.into())?;
+    let target = |selector: Option<Selector>| selector.ok_or_else(|| no_selector(&span));
+    let kind = match (traction, pressure, force, gravity) {
+        (Some(t), ..) => LoadKind::Traction(target(selector)?, t?),
+        (_, Some(p), ..) => LoadKind::Pressure(target(selector)?, p?),
+        (_, _, Some(f), _) => LoadKind::Force(target(selector)?, f?),
+        (.., Some(_)) if selector.is_some() => {
+            let fault = Fault::new(span, "has a selector, but gravity acts on all cells", "this load");
+            return Err(fault.help(format!("remove the selector ({KINDS})")));
+        }
+        (.., Some(g)) => LoadKind::Gravity(g?),
+        _ => return Err(Fault::new(span, "does not say what acts", "which load?").help(LOADS)),
+    };
+    Ok(Load { name, place, kind })
+}
+
+const LOADS: &str = "a load has one of traction = [x, y, z] (per area), pressure = p, force = [x, y, z] (total), \
+                     gravity = [x, y, z]";
+
+/// Refuses a second kind of load in a table.
+fn check_one_kind(raw: &RawLoad) -> Checked<()> {
+    let given = [
+        ("traction", raw.traction.as_ref().map(Spanned::span)),
+        ("pressure", raw.pressure.as_ref().map(Spanned::span)),
+        ("force", raw.force.as_ref().map(Spanned::span)),
+        ("gravity", raw.gravity.as_ref().map(Spanned::span)),
+    ];
+    let given: Vec<_> = given.into_iter().filter_map(|(key, span)| Some((key, span?))).collect();
+    match &given[..] {
+        [(first, _), (_, second), ..] => {
+            let problem = format!("stands beside `{first}`: a load has one kind");
+            let fault = Fault::new(second.clone(), problem, "the second kind");
+            Err(fault.help(format!("{LOADS}; make two loads")))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn refine(raw: Option<RawRefine>, warnings: &mut Vec<String>) -> Checked<Refine> {
+    let absent = raw.is_none();
+    let raw = raw.unwrap_or_default();
+    let stop = stop(&raw.stop.map(|t| t.value).unwrap_or_default())?;
+    let scheme = raw.scheme.as_ref().map_or(Scheme::Sqrt3, |s| *s.get_ref());
+    let default = match scheme {
+        _ if absent => Strategy::None,
+        Scheme::Red => Strategy::Global,
+        Scheme::Sqrt3 => Strategy::Adaptive,
+    };
+    let strategy = raw.strategy.as_ref().map_or(default, |s| *s.get_ref());
+    if let (Scheme::Red, Strategy::Adaptive, Some(written)) = (scheme, strategy, &raw.scheme) {
+        return Err(Fault::new(written.span(), "is \"red\", which refines all cells or none", "not adaptive")
+            .help("set refine.strategy = \"global\", or refine.scheme = \"sqrt3\""));
+    }
+    // A stop rule ends the run where it is met; without one, a single step is the modest choice.
+    let default_steps = if stop == Stop::default() { 1 } else { MAX_STEPS as usize };
+    let steps = raw.steps.map(|n| integer(&n, 0..=MAX_STEPS)).transpose()?.unwrap_or(default_steps);
+    let passes = raw.optimise.and_then(|t| t.value.passes).map(|n| integer(&n, 1..=100)).transpose()?.unwrap_or(3);
+    let boundary = raw.boundary.unwrap_or(Boundary::Fixed);
+    if boundary == Boundary::Approximating && strategy != Strategy::None && scheme == Scheme::Sqrt3 {
+        let text = "refine.boundary = \"approximating\" moves the surface: each step solves another domain, so that \
+                    energies and errors of different steps do not compare exactly (\"fixed\" keeps the surface)";
+        warnings.push(text.to_owned());
+    }
+    Ok(Refine { strategy, steps, options: Options { scheme, boundary, passes }, stop })
+}
+
+fn stop(raw: &RawStop) -> Checked<Stop> {
+    let error = |x| within(x, "above 0 and below 1", |e| e > 0.0 && e < 1.0);
+    let memory = |bytes: &Spanned<Bytes>| match bytes.get_ref().0 {
+        0 => Err(outside(bytes.span(), &0, "at least one byte")),
+        n => Ok(n),
+    };
+    Ok(Stop {
+        relative_error: raw.relative_error.as_ref().map(error).transpose()?,
+        max_cells: raw.max_cells.as_ref().map(|n| integer(n, 1..=i64::MAX)).transpose()?,
+        max_memory: raw.max_memory.as_ref().map(memory).transpose()?,
+        seconds: raw.seconds.as_ref().map(positive).transpose()?,
+    })
+}
+
+fn adapt(raw: RawAdapt) -> Checked<Adapt> {
+    Ok(Adapt {
+        estimator: raw.estimator.unwrap_or(Estimator::Spr),
+        marking: raw.marking.map(|t| marking(&t)).transpose()?.unwrap_or(Marking::Doerfler(0.5)),
+        grow: raw.grow.map(|n| integer(&n, 0..=100)).transpose()?.unwrap_or(0),
+    })
+}
+
+fn marking(Table { span, value: raw }: &Table<RawMarking>) -> Checked<Marking> {
+    let fraction = |x: &Number| within(x, "above 0 and at most 1", |x| x > 0.0 && x <= 1.0);
+    let given = [&raw.doerfler, &raw.maximum, &raw.fraction, &raw.threshold];
+    match given {
+        [Some(x), None, None, None] => fraction(x).map(Marking::Doerfler),
+        [None, Some(x), None, None] => fraction(x).map(Marking::Maximum),
+        [None, None, Some(x), None] => fraction(x).map(Marking::Fraction),
+        [None, None, None, Some(x)] => positive(x).map(Marking::Threshold),
+        _ => {
+            let count = given.into_iter().flatten().count();
+            Err(Fault::new(span.clone(), format!("names {count} markings, but must name one"), "exactly one")
+                .help("one of { doerfler = 0.5 }, { maximum = 0.5 }, { fraction = 0.1 }, { threshold = 1e-3 }"))
+        }
+    }
+}
+
+fn solver(raw: RawSolver) -> Checked<SolverOptions> {
+    let default = SolverOptions::default();
+    let inside = |x: &Number| within(x, "above 0 and below 1", |x| x > 0.0 && x < 1.0);
+    let tolerance = raw.tolerance.as_ref().map(inside).transpose()?.unwrap_or(default.tolerance);
+    Ok(SolverOptions { method: raw.method.unwrap_or(default.method), tolerance, ..default })
+}
+
+fn output(raw: &RawOutput) -> Output {
+    Output {
+        vtk: raw.vtk.unwrap_or(true),
+        report: raw.report.unwrap_or(true),
+        compression: raw.compression.unwrap_or_default(),
+    }
+}
+
+fn published(raw: RawPublished) -> Checked<Published> {
+    let step = |Table { value: s, .. }: Table<RawPublishedStep>| {
+        Ok(PublishedStep {
+            label: s.label,
+            cells: integer(&s.cells, 1..=i64::MAX)?,
+            milliseconds: positive(&s.milliseconds)?,
+            error: positive(&s.error)?,
+        })
+    };
+    Ok(Published { source: raw.source, steps: raw.steps.into_iter().map(step).collect::<Checked<_>>()? })
+}

@@ -1,0 +1,386 @@
+//! The keys of a scenario as written: optional fields with their spans, nothing checked but names and types.
+
+use crate::adapt::options::Estimator;
+use crate::fem::options::Method;
+use crate::output::options::Compression;
+use crate::subdiv::options::{Boundary, Scheme};
+use serde::{Deserialize, Deserializer, de};
+use std::{collections::BTreeMap, fmt, marker::PhantomData, ops::Range};
+use toml::Spanned;
+
+/// A TOML table with its span. Unlike a derived struct it refuses an array.
+#[derive(Debug)]
+pub(super) struct Table<T> {
+    pub span: Range<usize>,
+    pub value: T,
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Table<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let spanned = Spanned::<TableOnly<T>>::deserialize(deserializer)?;
+        Ok(Self { span: spanned.span(), value: spanned.into_inner().0 })
+    }
+}
+
+#[derive(Debug)]
+struct TableOnly<T>(T);
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for TableOnly<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(TableVisitor(PhantomData)).map(Self)
+    }
+}
+
+struct TableVisitor<T>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>> de::Visitor<'de> for TableVisitor<T> {
+    type Value = T;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a table")
+    }
+
+    fn visit_map<A: de::MapAccess<'de>>(self, map: A) -> Result<T, A::Error> {
+        T::deserialize(de::value::MapAccessDeserializer::new(map))
+    }
+}
+
+pub(super) type Number = Spanned<f64>;
+pub(super) type Integer = Spanned<i64>;
+pub(super) type Text = Spanned<String>;
+/// Three numbers, once checked (an array type would drop a fourth without a word).
+pub(super) type Vector = Spanned<Vec<f64>>;
+pub(super) type Named<T> = BTreeMap<String, Table<T>>;
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawScenario {
+    pub title: Option<String>,
+    pub mesh: Option<Table<RawMesh>>,
+    pub features: Option<Table<RawFeatures>>,
+    pub materials: Option<Named<RawMaterial>>,
+    pub supports: Option<Named<RawSupport>>,
+    pub loads: Option<Named<RawLoad>>,
+    #[serde(rename = "analysis")]
+    pub _analysis: Option<Table<RawAnalysis>>,
+    pub refine: Option<Table<RawRefine>>,
+    pub adapt: Option<Table<RawAdapt>>,
+    pub solver: Option<Table<RawSolver>>,
+    pub output: Option<Table<RawOutput>>,
+    pub published: Option<Table<RawPublished>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawMesh {
+    pub file: Option<Text>,
+    pub midside: Option<Spanned<Midside>>,
+    #[serde(rename = "box")]
+    pub brick: Option<Table<RawBrick>>,
+}
+
+/// How the mid-side nodes of a quadratic mesh are used.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Midside {
+    Straight,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawBrick {
+    pub size: Vector,
+    pub cells: Spanned<Vec<i64>>,
+    #[serde(rename = "element")]
+    pub _element: Option<CellShape>,
+}
+
+/// Shape of generated cells.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum CellShape {
+    Tet,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawFeatures {
+    pub angle: Option<Number>,
+    pub edges: Option<Vec<Spanned<Vec<u32>>>>,
+    pub corners: Option<Vec<u32>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawMaterial {
+    pub youngs_modulus: Number,
+    pub poissons_ratio: Number,
+    pub density: Option<Number>,
+    pub group: Option<Text>,
+}
+
+/// A table that holds the keys of a selector beside keys of its own.
+macro_rules! selector_table {
+    ($name:ident { $($field:ident: $type:ty),* }) => {
+        #[derive(Debug, Deserialize)]
+        #[serde(deny_unknown_fields)]
+        pub(super) struct $name {
+            $(pub $field: Option<$type>,)*
+            pub group: Option<Text>,
+            pub plane: Option<Table<RawPlane>>,
+            #[serde(rename = "box")]
+            pub brick: Option<Table<RawBox>>,
+            pub sphere: Option<Table<RawSphere>>,
+            pub cylinder: Option<Table<RawCylinder>>,
+            pub normal: Option<Table<RawNormal>>,
+            pub all: Option<Spanned<Vec<Table<RawSelector>>>>,
+            pub any: Option<Spanned<Vec<Table<RawSelector>>>>,
+            pub not: Option<Box<Table<RawSelector>>>,
+        }
+    };
+}
+
+/// The way from such a table to the keys of its selector.
+macro_rules! selector_of {
+    ($name:ident) => {
+        impl From<$name> for RawSelector {
+            fn from(table: $name) -> Self {
+                let $name { group, plane, brick, sphere, cylinder, normal, all, any, not, .. } = table;
+                Self { group, plane, brick, sphere, cylinder, normal, all, any, not }
+            }
+        }
+    };
+}
+
+selector_table!(RawSelector {});
+selector_table!(RawSupport { fix: Spanned<Vec<Spanned<Axis>>>, displacement: Table<RawDisplacement> });
+selector_table!(RawLoad { traction: Vector, pressure: Number, force: Vector, gravity: Vector });
+selector_of!(RawSupport);
+selector_of!(RawLoad);
+
+/// A coordinate direction.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Axis {
+    X,
+    Y,
+    Z,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawDisplacement {
+    pub x: Option<Number>,
+    pub y: Option<Number>,
+    pub z: Option<Number>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawPlane {
+    pub normal: Vector,
+    pub offset: Number,
+    pub tolerance: Option<Number>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawBox {
+    pub min: Vector,
+    pub max: Vector,
+    pub tolerance: Option<Number>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawSphere {
+    pub center: Vector,
+    pub radius: Number,
+    pub tolerance: Option<Number>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawCylinder {
+    pub point: Vector,
+    pub axis: Vector,
+    pub radius: Number,
+    pub tolerance: Option<Number>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawNormal {
+    pub direction: Vector,
+    pub angle: Number,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawAnalysis {
+    #[serde(rename = "element")]
+    pub _element: Option<Element>,
+}
+
+/// The finite element.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Element {
+    Tet4,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawRefine {
+    pub scheme: Option<Spanned<Scheme>>,
+    pub strategy: Option<Spanned<super::Strategy>>,
+    pub steps: Option<Integer>,
+    pub boundary: Option<Boundary>,
+    pub optimise: Option<Table<RawOptimise>>,
+    pub stop: Option<Table<RawStop>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawOptimise {
+    #[serde(rename = "mode")]
+    pub _mode: Option<Mode>,
+    #[serde(rename = "objective")]
+    pub _objective: Option<Objective>,
+    pub passes: Option<Integer>,
+}
+
+/// Which operations improve the mesh after a step.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Mode {
+    Paper,
+}
+
+/// What they improve.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Objective {
+    Quality,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawStop {
+    pub relative_error: Option<Number>,
+    pub max_cells: Option<Integer>,
+    pub max_memory: Option<Spanned<Bytes>>,
+    pub seconds: Option<Number>,
+}
+
+/// A number of bytes: an integer, or a string such as "2 GiB".
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bytes(pub u64);
+
+impl<'de> Deserialize<'de> for Bytes {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(BytesVisitor)
+    }
+}
+
+struct BytesVisitor;
+
+impl de::Visitor<'_> for BytesVisitor {
+    type Value = Bytes;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a number of bytes such as 2000000000 or \"2 GiB\"")
+    }
+
+    fn visit_i64<E: de::Error>(self, bytes: i64) -> Result<Bytes, E> {
+        u64::try_from(bytes).map(Bytes).map_err(|_| E::invalid_value(de::Unexpected::Signed(bytes), &self))
+    }
+
+    fn visit_str<E: de::Error>(self, text: &str) -> Result<Bytes, E> {
+        parse_bytes(text).map(Bytes).ok_or_else(|| E::invalid_value(de::Unexpected::Str(text), &self))
+    }
+}
+
+/// Reads "2 GiB", "500MB", "1.5 TiB", "4096".
+fn parse_bytes(text: &str) -> Option<u64> {
+    const UNITS: [(&str, u64); 10] = [
+        ("", 1),
+        ("B", 1),
+        ("kB", 1000),
+        ("MB", 1_000_000),
+        ("GB", 1_000_000_000),
+        ("TB", 1_000_000_000_000),
+        ("KiB", 1 << 10),
+        ("MiB", 1 << 20),
+        ("GiB", 1 << 30),
+        ("TiB", 1 << 40),
+    ];
+    let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let unit = &text[digits.len()..];
+    let (_, scale) = UNITS.iter().find(|(name, _)| name.eq_ignore_ascii_case(unit))?;
+    let bytes = digits.trim().parse::<f64>().ok()? * *scale as f64;
+    (bytes.is_finite() && bytes >= 0.0).then_some(bytes as u64)
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawAdapt {
+    pub estimator: Option<Estimator>,
+    pub marking: Option<Table<RawMarking>>,
+    pub grow: Option<Integer>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawMarking {
+    pub doerfler: Option<Number>,
+    pub maximum: Option<Number>,
+    pub fraction: Option<Number>,
+    pub threshold: Option<Number>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawSolver {
+    pub method: Option<Method>,
+    pub tolerance: Option<Number>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawOutput {
+    pub vtk: Option<bool>,
+    pub report: Option<bool>,
+    pub compression: Option<Compression>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawPublished {
+    pub source: String,
+    pub steps: Vec<Table<RawPublishedStep>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawPublishedStep {
+    pub label: String,
+    pub cells: Integer,
+    pub milliseconds: Number,
+    pub error: Number,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::parse_bytes;
+
+    #[test]
+    fn bytes_are_read_with_decimal_and_binary_units() {
+        assert_eq!(parse_bytes("2 GiB"), Some(2 << 30));
+        assert_eq!(parse_bytes("1.5kb"), Some(1500));
+        assert_eq!(parse_bytes("4096"), Some(4096));
+        assert_eq!(parse_bytes("2 GiBs"), None);
+        assert_eq!(parse_bytes("-1 MB"), None);
+        assert_eq!(parse_bytes("GiB"), None);
+    }
+}

@@ -1,0 +1,87 @@
+//! Mesh improvement by the paper's operations: edge removal and vertex smoothing, in passes over what changed.
+
+mod edge_removal;
+mod smooth;
+
+pub(super) use edge_removal::{Filling, remove_edge};
+
+use super::solid::{Ring, Solid};
+use crate::mesh::{quality, topology};
+use smooth::Smoother;
+
+/// Tools with their work space.
+#[derive(Default)]
+pub(super) struct Improver {
+    pub(super) filling: Filling,
+    smoother: Smoother,
+}
+
+impl Improver {
+    /// Passes of edge removal and smoothing over the cells changed since `since` (and, in later passes, since the pass
+    /// before), until nothing improves or `passes` are done.
+    pub(super) fn improve(&mut self, solid: &mut Solid, since: u32, passes: usize) {
+        let mut since = since;
+        for _ in 0..passes {
+            let now = solid.tick();
+            let removed = self.remove_edges(solid, since);
+            let moved = self.smooth(solid, since);
+            if removed + moved == 0 {
+                break;
+            }
+            since = now;
+        }
+    }
+
+    /// Removes each edge whose removal improves the worst cell of its ring; returns how many.
+    fn remove_edges(&mut self, solid: &mut Solid, since: u32) -> usize {
+        let mut edges: Vec<[u32; 2]> =
+            solid.cells_since(since).flat_map(|t| topology::tet_edges(solid.tet(t))).collect();
+        edges.sort_unstable();
+        edges.dedup();
+        edges.into_iter().filter(|&e| self.improve_edge(solid, e)).count()
+    }
+
+    fn improve_edge(&mut self, solid: &mut Solid, edge: [u32; 2]) -> bool {
+        let Some(ring) = solid.ring(edge[0], edge[1]) else { return false };
+        let removable = if ring.closed {
+            !solid.is_crease(edge) && !solid.is_surface_edge(edge)
+        } else {
+            is_flat(solid, edge, &ring)
+        };
+        if !removable {
+            return false;
+        }
+        let worst = solid.worst_sine(&ring.cells);
+        // An improvement too small to matter would only keep the later passes busy.
+        remove_edge(solid, edge, &ring, worst.max(0.0) + 1e-3, &mut self.filling)
+    }
+
+    /// Smooths the interior vertices of changed cells; returns how many moved.
+    fn smooth(&mut self, solid: &mut Solid, since: u32) -> usize {
+        let mut vertices: Vec<u32> = solid.cells_since(since).flat_map(|t| solid.tet(t)).collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        vertices.into_iter().filter(|&v| solid.is_interior(v) && self.smoother.smooth(solid, v)).count()
+    }
+}
+
+/// True if the boundary edge may be flipped without changing the solid: its faces lie in one plane and one patch, and
+/// their quadrilateral is convex.
+fn is_flat(solid: &Solid, edge: [u32; 2], ring: &Ring) -> bool {
+    if solid.is_crease(edge) {
+        return false;
+    }
+    let faces = solid.faces_at_edge(edge);
+    if faces.len() != 2 || faces[0].patch != faces[1].patch {
+        return false;
+    }
+    let [a, b] = edge.map(|v| solid.point(v));
+    let [c, d] = [ring.vertices[0], ring.vertices[ring.vertices.len() - 1]].map(|v| solid.point(v));
+    let longest = [b - a, c - a, d - a, c - b, d - b, d - c].iter().map(|e| e.length_squared()).fold(0.0, f64::max);
+    if quality::volume([a, b, c, d]).abs() > 1e-14 * longest * longest.sqrt() {
+        return false;
+    }
+    let normal = (c - a).cross(b - a);
+    let least = 1e-6 * longest * normal.length();
+    (c - a).cross(d - a).dot(normal) > least && (b - c).cross(d - c).dot(normal) > least
+}

@@ -1,0 +1,212 @@
+//! Vertex smoothing that improves the worst cell: Laplacian first, then optimisation.
+//!
+//! Burkhart, Hamann and Umlauf 2010, section 3.2, after Freitag 1997. The optimisation maximises the smallest dihedral
+//! sine s_i(x) over the cells at the vertex by a proximal bundle step: with gradients g_i,
+//! `max_d min_i (s_i + g_i . d) - |d|^2 / (2 t)`, whose dual is a quadratic over the simplex in as many unknowns as
+//! there are sines near the smallest. The step length t adapts to how well the linear model predicts.
+
+use super::super::solid::Solid;
+use glam::DVec3;
+
+/// Cells whose worst sine is above this are good enough (the paper's quality level).
+pub(crate) const GOOD: f64 = 0.3;
+
+/// Sines this much above the smallest do not shape the step.
+const MARGIN: f64 = 0.3;
+
+/// Bundle steps a vertex.
+const STEPS: usize = 8;
+
+/// A sine and its gradient with respect to the moving vertex.
+#[derive(Clone, Copy)]
+struct Piece {
+    sine: f64,
+    gradient: DVec3,
+}
+
+/// Work space, kept between calls.
+#[derive(Default)]
+pub(crate) struct Smoother {
+    pieces: Vec<Piece>,
+    weights: Vec<f64>,
+    neighbours: Vec<u32>,
+}
+
+impl Smoother {
+    /// Moves an interior vertex if that improves its worst cell; returns whether it moved.
+    pub(crate) fn smooth(&mut self, solid: &mut Solid, v: u32) -> bool {
+        let start = solid.point(v);
+        let old = solid.worst_sine(solid.cells_at(v));
+        if old > GOOD {
+            return false;
+        }
+        let (mut p, mut worst) = (start, old);
+        let mean = self.neighbour_mean(solid, v);
+        let laplacian = solid.worst_sine_with(v, mean, worst);
+        if laplacian > worst {
+            (p, worst) = (mean, laplacian);
+        }
+        if worst <= GOOD {
+            (p, worst) = self.optimise(solid, v, p, worst);
+        }
+        if worst > old {
+            solid.move_point(v, p);
+        }
+        worst > old
+    }
+
+    /// Mean of the vertices joined to `v`, summed in ascending order.
+    fn neighbour_mean(&mut self, solid: &Solid, v: u32) -> DVec3 {
+        self.neighbours.clear();
+        for &t in solid.cells_at(v) {
+            self.neighbours.extend(solid.tet(t).into_iter().filter(|&w| w != v));
+        }
+        self.neighbours.sort_unstable();
+        self.neighbours.dedup();
+        let sum: DVec3 = self.neighbours.iter().map(|&w| solid.point(w)).sum();
+        sum / self.neighbours.len().max(1) as f64
+    }
+
+    /// Maximises the worst sine from position `p`; returns the best position found and its worst sine.
+    fn optimise(&mut self, solid: &Solid, v: u32, mut p: DVec3, mut worst: f64) -> (DVec3, f64) {
+        let scale =
+            self.neighbours.iter().map(|&w| (solid.point(w) - p).length_squared()).fold(f64::INFINITY, f64::min);
+        // Sines change by about one over an edge length, so t in squared lengths gives steps in lengths.
+        let mut t = 0.1 * scale;
+        self.collect(solid, v, p, worst);
+        for _ in 0..STEPS {
+            let (d, predicted) = self.bundle_step(t);
+            if predicted - worst < 1e-3 {
+                break;
+            }
+            let needed = worst + 0.1 * (predicted - worst);
+            let q = p + d;
+            let actual = solid.worst_sine_with(v, q, needed);
+            if actual > needed {
+                (p, worst) = (q, actual);
+                t *= 2.0;
+                self.collect(solid, v, p, worst);
+            } else {
+                t *= 0.25;
+            }
+        }
+        (p, worst)
+    }
+
+    /// Collects the sines within the margin of the smallest, with their gradients.
+    fn collect(&mut self, solid: &Solid, v: u32, p: DVec3, worst: f64) {
+        self.pieces.clear();
+        for &t in solid.cells_at(v) {
+            if solid.sine(t) > worst + 2.0 * MARGIN {
+                continue;
+            }
+            let tet = solid.tet(t);
+            // Even reorderings that bring v to the front.
+            let rest = match tet.iter().position(|&w| w == v) {
+                Some(0) => [tet[1], tet[2], tet[3]],
+                Some(1) => [tet[0], tet[3], tet[2]],
+                Some(2) => [tet[0], tet[1], tet[3]],
+                _ => [tet[0], tet[2], tet[1]],
+            };
+            let candidates = sines_with_gradients(p, rest.map(|w| solid.point(w)));
+            self.pieces.extend(candidates.into_iter().filter(|c| c.sine < worst + MARGIN));
+        }
+    }
+
+    /// Solves the dual over the simplex by sequential minimal optimisation; returns the step and the predicted value.
+    fn bundle_step(&mut self, t: f64) -> (DVec3, f64) {
+        let n = self.pieces.len();
+        let start = (0..n).min_by(|&i, &j| self.pieces[i].sine.total_cmp(&self.pieces[j].sine)).unwrap_or(0);
+        self.weights.clear();
+        self.weights.resize(n, 0.0);
+        self.weights[start] = 1.0;
+        let mut sum = self.pieces[start].gradient;
+        for _ in 0..4 * n.min(16) {
+            // The linear model of each piece at the step t * sum.
+            let model = |piece: &Piece| piece.sine + t * piece.gradient.dot(sum);
+            let (mut low, mut high) = ((f64::INFINITY, 0), (f64::NEG_INFINITY, 0));
+            for (i, piece) in self.pieces.iter().enumerate() {
+                let value = model(piece);
+                if value < low.0 {
+                    low = (value, i);
+                }
+                if self.weights[i] > 0.0 && value > high.0 {
+                    high = (value, i);
+                }
+            }
+            let (i, j) = (low.1, high.1);
+            let gap = high.0 - low.0;
+            let difference = self.pieces[i].gradient - self.pieces[j].gradient;
+            let curvature = t * difference.length_squared();
+            if gap < 1e-4 || curvature <= 0.0 {
+                break;
+            }
+            let shift = (gap / curvature).min(self.weights[j]);
+            self.weights[i] += shift;
+            self.weights[j] -= shift;
+            sum += shift * difference;
+        }
+        let predicted = self.pieces.iter().map(|c| c.sine + t * c.gradient.dot(sum)).fold(f64::INFINITY, f64::min);
+        (t * sum, predicted)
+    }
+}
+
+/// The six dihedral sines of the positive cell (x, p, q, r) and their gradients with respect to x.
+///
+/// From s = 6 V |e| / (|N_1| |N_2|) by logarithmic differentiation; dV/dx and d|N|/dx are the classical ones.
+fn sines_with_gradients(x: DVec3, [p, q, r]: [DVec3; 3]) -> [Piece; 6] {
+    let opposite = (q - p).cross(r - p);
+    let volume = -opposite.dot(x - p);
+    // Faces at x, opposite to p, q, r: (x, r, q), (x, p, r), (x, q, p).
+    let normals = [(r - x).cross(q - x), (p - x).cross(r - x), (q - x).cross(p - x)];
+    let lengths = normals.map(DVec3::length);
+    let base = opposite.length();
+    // d ln|N| for N = (u - x) x (w - x) is N x (w - u) / |N|^2.
+    let logs = [
+        normals[0].cross(q - r) / (lengths[0] * lengths[0]),
+        normals[1].cross(r - p) / (lengths[1] * lengths[1]),
+        normals[2].cross(p - q) / (lengths[2] * lengths[2]),
+    ];
+    let at_x = |a: DVec3, k: usize, l: usize| {
+        let e = x - a;
+        let ratio = e.length() / (lengths[k] * lengths[l]);
+        let sine = volume * ratio;
+        Piece { sine, gradient: -ratio * opposite + sine * (e / e.length_squared() - logs[k] - logs[l]) }
+    };
+    let across = |e: DVec3, k: usize| {
+        let ratio = e.length() / (lengths[k] * base);
+        let sine = volume * ratio;
+        Piece { sine, gradient: -ratio * opposite - sine * logs[k] }
+    };
+    [at_x(p, 1, 2), at_x(q, 0, 2), at_x(r, 0, 1), across(q - p, 2), across(r - p, 1), across(r - q, 0)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::quality;
+
+    #[test]
+    fn gradients_are_those_of_finite_differences_and_sines_those_of_the_measure() {
+        let p = [DVec3::new(1.0, 0.1, 0.2), DVec3::new(0.3, 1.1, -0.1), DVec3::new(0.2, 0.4, 0.9)];
+        let x = DVec3::new(-0.2, 0.1, 0.05);
+        assert!(quality::volume([x, p[0], p[1], p[2]]) > 0.0);
+        let pieces = sines_with_gradients(x, p);
+        let mut sines: Vec<f64> = pieces.iter().map(|c| c.sine).collect();
+        let mut expected = quality::dihedral_sines([x, p[0], p[1], p[2]]).to_vec();
+        sines.sort_by(f64::total_cmp);
+        expected.sort_by(f64::total_cmp);
+        for (s, e) in sines.iter().zip(&expected) {
+            assert!((s - e).abs() < 1e-14, "{s} {e}");
+        }
+        let h = 1e-6;
+        for (axis, direction) in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().enumerate() {
+            let ahead = sines_with_gradients(x + h * direction, p);
+            let behind = sines_with_gradients(x - h * direction, p);
+            for i in 0..6 {
+                let slope = (ahead[i].sine - behind[i].sine) / (2.0 * h);
+                assert!((slope - pieces[i].gradient[axis]).abs() < 1e-8, "piece {i} axis {axis}");
+            }
+        }
+    }
+}

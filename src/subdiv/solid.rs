@@ -1,0 +1,415 @@
+//! The mesh while it is being changed: cells with their incidence lists, the surface, the creases.
+//!
+//! Only vertex-to-cell lists are kept; everything else (rings of edges, cells at a face) is found from them. Slots of
+//! removed cells are used again. Vertices are only ever added, so their numbers stay.
+
+use crate::mesh::{Crease, Face, MeshError, PatchId, RegionId, TetMesh, TetMeshParts, quality, topology};
+use glam::DVec3;
+use rustc_hash::FxHashMap;
+
+/// Marks a free slot.
+const DEAD: u32 = u32::MAX;
+
+/// The patch number of faces between two regions, which belong to the surface but not to the boundary.
+const INTERFACE: PatchId = PatchId(u32::MAX);
+
+/// For a positive tetrahedron and two of its corners i, j: the corners k, l such that (i, j, k, l) is positive too.
+const POSITIVE_REST: [[[usize; 2]; 4]; 4] = [
+    [[0, 0], [2, 3], [3, 1], [1, 2]],
+    [[3, 2], [0, 0], [0, 3], [2, 0]],
+    [[1, 3], [3, 0], [0, 0], [0, 1]],
+    [[2, 1], [0, 2], [1, 0], [0, 0]],
+];
+
+/// What a cell hands on to the cells that take its place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct CellTag {
+    pub region: RegionId,
+    pub level: u8,
+}
+
+/// A mesh being changed.
+pub(super) struct Solid {
+    points: Vec<DVec3>,
+    tets: Vec<[u32; 4]>,
+    tags: Vec<CellTag>,
+    sines: Vec<f64>,
+    stamps: Vec<u32>,
+    clock: u32,
+    free: Vec<u32>,
+    cells_at: Vec<Vec<u32>>,
+    faces: Vec<Face>,
+    free_faces: Vec<u32>,
+    faces_at: Vec<Vec<u32>>,
+    creases: FxHashMap<[u32; 2], bool>,
+    pinned: Vec<bool>,
+    rest: TetMeshParts,
+}
+
+/// The cells around an edge in order, and the vertices of its link.
+#[derive(Debug, Default, Clone)]
+pub(super) struct Ring {
+    /// Link vertices, counter-clockwise seen from the second end of the edge towards the first.
+    pub vertices: Vec<u32>,
+    /// Cell i holds link vertices i and i + 1 (cyclic if closed).
+    pub cells: Vec<u32>,
+    /// False for an edge of the boundary, whose ring starts and ends with a boundary face.
+    pub closed: bool,
+}
+
+impl Solid {
+    /// Opens a mesh for changes.
+    pub(super) fn new(mesh: &TetMesh) -> Self {
+        let count = mesh.points().len();
+        let mut solid = Self {
+            points: mesh.points().to_vec(),
+            tets: Vec::with_capacity(8 * mesh.tets().len()),
+            tags: Vec::with_capacity(8 * mesh.tets().len()),
+            sines: Vec::with_capacity(8 * mesh.tets().len()),
+            stamps: Vec::with_capacity(8 * mesh.tets().len()),
+            clock: 0,
+            free: Vec::new(),
+            cells_at: vec![Vec::new(); count],
+            faces: Vec::new(),
+            free_faces: Vec::new(),
+            faces_at: vec![Vec::new(); count],
+            creases: mesh.creases().iter().map(|c| (c.vertices, c.feature)).collect(),
+            pinned: vec![false; count],
+            rest: TetMeshParts { points: Vec::new(), tets: Vec::new(), ..mesh.clone().into_parts() },
+        };
+        for (t, &tet) in mesh.tets().iter().enumerate() {
+            solid.add_cell(tet, CellTag { region: mesh.regions()[t], level: mesh.levels()[t] });
+        }
+        for &face in mesh.faces() {
+            solid.add_face(face);
+        }
+        for vertices in interfaces(mesh) {
+            solid.add_face(Face { vertices, patch: INTERFACE });
+        }
+        for v in mesh.creases().iter().flat_map(|c| c.vertices).chain(mesh.corners().iter().copied()) {
+            solid.pinned[v as usize] = true;
+        }
+        solid
+    }
+
+    /// Closes the mesh.
+    ///
+    /// # Errors
+    /// [`MeshError`] if the changes left an invalid mesh.
+    pub(super) fn finish(self) -> Result<TetMesh, MeshError> {
+        let live: Vec<usize> = (0..self.tets.len()).filter(|&t| self.tets[t][0] != DEAD).collect();
+        let boundary = |f: &&Face| f.vertices[0] != DEAD && f.patch != INTERFACE;
+        TetMesh::new(TetMeshParts {
+            tets: live.iter().map(|&t| self.tets[t]).collect(),
+            regions: live.iter().map(|&t| self.tags[t].region).collect(),
+            levels: live.iter().map(|&t| self.tags[t].level).collect(),
+            faces: self.faces.iter().filter(boundary).copied().collect(),
+            creases: self.creases.iter().map(|(&vertices, &feature)| Crease { vertices, feature }).collect(),
+            points: self.points,
+            ..self.rest
+        })
+    }
+
+    // ---- reading ----
+
+    pub(super) fn point(&self, v: u32) -> DVec3 {
+        self.points[v as usize]
+    }
+
+    pub(super) fn tet(&self, t: u32) -> [u32; 4] {
+        self.tets[t as usize]
+    }
+
+    pub(super) fn tag(&self, t: u32) -> CellTag {
+        self.tags[t as usize]
+    }
+
+    /// Minimum sine of the dihedral angles of cell `t`.
+    pub(super) fn sine(&self, t: u32) -> f64 {
+        self.sines[t as usize]
+    }
+
+    /// Smallest minimum sine of the given cells.
+    pub(super) fn worst_sine(&self, cells: &[u32]) -> f64 {
+        cells.iter().map(|&t| self.sine(t)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Smallest minimum sine of all cells.
+    pub(super) fn worst_sine_of_all(&self) -> f64 {
+        self.live_cells().map(|t| self.sine(t)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Cells in slot order.
+    pub(super) fn live_cells(&self) -> impl Iterator<Item = u32> + '_ {
+        (0..self.tets.len() as u32).filter(|&t| self.tets[t as usize][0] != DEAD)
+    }
+
+    /// Cells made or reshaped at or after `time`, in slot order.
+    pub(super) fn cells_since(&self, time: u32) -> impl Iterator<Item = u32> + '_ {
+        self.live_cells().filter(move |&t| self.stamps[t as usize] >= time)
+    }
+
+    /// Starts a new period of the clock that stamps changed cells, and returns it.
+    pub(super) fn tick(&mut self) -> u32 {
+        self.clock += 1;
+        self.clock
+    }
+
+    /// Cells at vertex `v`.
+    pub(super) fn cells_at(&self, v: u32) -> &[u32] {
+        &self.cells_at[v as usize]
+    }
+
+    /// True if no surface (boundary or interface) passes through `v`, and it is on no crease.
+    pub(super) fn is_interior(&self, v: u32) -> bool {
+        self.faces_at[v as usize].is_empty() && !self.pinned[v as usize]
+    }
+
+    /// True if the edge is tagged as a crease.
+    pub(super) fn is_crease(&self, edge: [u32; 2]) -> bool {
+        self.creases.contains_key(&topology::sorted2(edge))
+    }
+
+    /// True if a boundary or interface face has this edge.
+    pub(super) fn is_surface_edge(&self, [a, b]: [u32; 2]) -> bool {
+        let faces = &self.faces_at[a as usize];
+        faces.iter().any(|&f| self.faces[f as usize].vertices.contains(&b))
+    }
+
+    /// Boundary faces at the edge.
+    pub(super) fn faces_at_edge(&self, [a, b]: [u32; 2]) -> Vec<Face> {
+        let faces = self.faces_at[a as usize].iter().map(|&f| self.faces[f as usize]);
+        faces.filter(|f| f.vertices.contains(&b)).collect()
+    }
+
+    /// True if the two vertices are joined by an edge.
+    pub(super) fn has_edge(&self, a: u32, b: u32) -> bool {
+        self.cells_at(a).iter().any(|&t| self.tet(t).contains(&b))
+    }
+
+    /// The cells (one or two) that hold the three vertices.
+    pub(super) fn cells_at_face(&self, [a, b, c]: [u32; 3]) -> Vec<u32> {
+        let has = |t: &&u32| {
+            let tet = self.tet(**t);
+            tet.contains(&b) && tet.contains(&c)
+        };
+        self.cells_at(a).iter().filter(has).copied().collect()
+    }
+
+    /// The ring of edge (a, b); `None` if the edge does not exist or its cells are not one fan.
+    pub(super) fn ring(&self, a: u32, b: u32) -> Option<Ring> {
+        // The shorter list is searched; arcs (c, d, cell) with (a, b, c, d) positive.
+        let (start, other) = if self.cells_at(a).len() <= self.cells_at(b).len() { (a, b) } else { (b, a) };
+        let mut arcs: smallvec::SmallVec<[(u32, u32, u32); 32]> = smallvec::SmallVec::new();
+        for &t in self.cells_at(start) {
+            let tet = self.tet(t);
+            if !tet.contains(&other) {
+                continue;
+            }
+            let (i, j) = (index_of(tet, a), index_of(tet, b));
+            let [k, l] = POSITIVE_REST[i][j];
+            arcs.push((tet[k], tet[l], t));
+        }
+        chain(&mut arcs)
+    }
+
+    /// Positions of cell `t`.
+    pub(super) fn cell_points(&self, t: u32) -> [DVec3; 4] {
+        self.tet(t).map(|v| self.point(v))
+    }
+
+    // ---- changing ----
+
+    /// Adds a vertex.
+    pub(super) fn add_point(&mut self, p: DVec3) -> u32 {
+        self.points.push(p);
+        self.cells_at.push(Vec::new());
+        self.faces_at.push(Vec::new());
+        self.pinned.push(false);
+        self.points.len() as u32 - 1
+    }
+
+    /// Adds a cell.
+    pub(super) fn add_cell(&mut self, tet: [u32; 4], tag: CellTag) -> u32 {
+        let sine = quality::min_sine(tet.map(|v| self.point(v)));
+        let slot = match self.free.pop() {
+            Some(slot) => {
+                let i = slot as usize;
+                (self.tets[i], self.tags[i], self.sines[i], self.stamps[i]) = (tet, tag, sine, self.clock);
+                slot
+            }
+            None => {
+                self.tets.push(tet);
+                self.tags.push(tag);
+                self.sines.push(sine);
+                self.stamps.push(self.clock);
+                self.tets.len() as u32 - 1
+            }
+        };
+        for v in tet {
+            self.cells_at[v as usize].push(slot);
+        }
+        slot
+    }
+
+    /// Removes a cell and returns its vertices and tag.
+    pub(super) fn remove_cell(&mut self, t: u32) -> ([u32; 4], CellTag) {
+        let tet = self.tet(t);
+        for v in tet {
+            remove_value(&mut self.cells_at[v as usize], t);
+        }
+        self.tets[t as usize] = [DEAD; 4];
+        self.free.push(t);
+        (tet, self.tag(t))
+    }
+
+    /// Replaces a cell by its children, one level deeper or at its own level.
+    pub(super) fn split_cell(&mut self, t: u32, children: impl IntoIterator<Item = [u32; 4]>, deeper: bool) {
+        let (_, mut tag) = self.remove_cell(t);
+        tag.level = tag.level.saturating_add(u8::from(deeper));
+        for child in children {
+            self.add_cell(child, tag);
+        }
+    }
+
+    /// Adds a surface face.
+    pub(super) fn add_face(&mut self, face: Face) {
+        let slot = if let Some(slot) = self.free_faces.pop() {
+            self.faces[slot as usize] = face;
+            slot
+        } else {
+            self.faces.push(face);
+            self.faces.len() as u32 - 1
+        };
+        for v in face.vertices {
+            self.faces_at[v as usize].push(slot);
+        }
+    }
+
+    /// Removes the surface face with these vertices (in any order); `None` if there is none.
+    pub(super) fn remove_face(&mut self, vertices: [u32; 3]) -> Option<Face> {
+        let [a, b, c] = vertices;
+        let has = |&&f: &&u32| {
+            let v = self.faces[f as usize].vertices;
+            v.contains(&b) && v.contains(&c)
+        };
+        let slot = *self.faces_at[a as usize].iter().find(has)?;
+        let face = self.faces[slot as usize];
+        for v in face.vertices {
+            remove_value(&mut self.faces_at[v as usize], slot);
+        }
+        self.faces[slot as usize].vertices = [DEAD; 3];
+        self.free_faces.push(slot);
+        Some(face)
+    }
+
+    /// Divides edge (a, b) by new vertices `inner` (in order from a to b): every cell and surface face of its ring is
+    /// cut, a crease becomes creases. The cells' levels stay.
+    pub(super) fn divide_edge(&mut self, a: u32, b: u32, inner: &[u32]) {
+        let chain: Vec<u32> = [a].iter().chain(inner).chain(&[b]).copied().collect();
+        let ring: Vec<u32> = self.cells_at(a).iter().copied().filter(|&t| self.tet(t).contains(&b)).collect();
+        for t in ring {
+            let tet = self.tet(t);
+            let pieces: Vec<[u32; 4]> = chain.windows(2).map(|w| replace(tet, [a, b], [w[0], w[1]])).collect();
+            self.split_cell(t, pieces, false);
+        }
+        for face in self.faces_at_edge([a, b]) {
+            self.remove_face(face.vertices);
+            for w in chain.windows(2) {
+                self.add_face(Face { vertices: replace(face.vertices, [a, b], [w[0], w[1]]), ..face });
+            }
+        }
+        if let Some(feature) = self.creases.remove(&topology::sorted2([a, b])) {
+            for w in chain.windows(2) {
+                self.creases.insert(topology::sorted2([w[0], w[1]]), feature);
+            }
+            for &v in inner {
+                self.pinned[v as usize] = true;
+            }
+        }
+    }
+
+    /// Moves vertex `v`.
+    pub(super) fn move_point(&mut self, v: u32, p: DVec3) {
+        self.points[v as usize] = p;
+        for i in 0..self.cells_at[v as usize].len() {
+            let t = self.cells_at[v as usize][i];
+            self.sines[t as usize] = quality::min_sine(self.cell_points(t));
+            self.stamps[t as usize] = self.clock;
+        }
+    }
+
+    /// Smallest minimum sine of the cells at `v` if it were at `p`; stops early below `enough`.
+    pub(super) fn worst_sine_with(&self, v: u32, p: DVec3, enough: f64) -> f64 {
+        let mut worst = f64::INFINITY;
+        for &t in self.cells_at(v) {
+            let corners = self.tet(t).map(|w| if w == v { p } else { self.point(w) });
+            worst = worst.min(quality::min_sine(corners));
+            if worst < enough {
+                break;
+            }
+        }
+        worst
+    }
+}
+
+/// Faces between cells of different regions.
+fn interfaces(mesh: &TetMesh) -> Vec<[u32; 3]> {
+    if mesh.region_names().len() < 2 {
+        return Vec::new();
+    }
+    let mut faces = Vec::new();
+    for (t, around) in topology::face_neighbours(mesh.tets()).into_iter().enumerate() {
+        for (i, u) in around.into_iter().enumerate() {
+            // Each such face once, from the side of the smaller region number.
+            if u.is_some_and(|u| mesh.regions()[t] < mesh.regions()[u as usize]) {
+                faces.push(topology::tet_faces(mesh.tets()[t])[i]);
+            }
+        }
+    }
+    faces
+}
+
+/// Orders arcs (from, to, cell) into one fan or cycle.
+fn chain(arcs: &mut [(u32, u32, u32)]) -> Option<Ring> {
+    let first = (0..arcs.len()).find(|&i| arcs.iter().all(|a| a.1 != arcs[i].0));
+    arcs.swap(0, first.unwrap_or(0).min(arcs.len().checked_sub(1)?));
+    for i in 1..arcs.len() {
+        let next = (i..arcs.len()).find(|&j| arcs[j].0 == arcs[i - 1].1)?;
+        arcs.swap(i, next);
+    }
+    let closed = first.is_none();
+    let mut vertices: Vec<u32> = arcs.iter().map(|a| a.0).collect();
+    let last = arcs[arcs.len() - 1].1;
+    if !closed {
+        vertices.push(last);
+    } else if last != arcs[0].0 {
+        return None;
+    }
+    Some(Ring { vertices, cells: arcs.iter().map(|a| a.2).collect(), closed })
+}
+
+/// The simplex with vertices `from` replaced by `to`.
+fn replace<const N: usize>(simplex: [u32; N], from: [u32; 2], to: [u32; 2]) -> [u32; N] {
+    simplex.map(|v| {
+        if v == from[0] {
+            to[0]
+        } else if v == from[1] {
+            to[1]
+        } else {
+            v
+        }
+    })
+}
+
+/// Which corner of `tet` vertex `v` is; `v` is one of them.
+fn index_of(tet: [u32; 4], v: u32) -> usize {
+    tet.iter().position(|&w| w == v).unwrap_or(0)
+}
+
+/// Removes one value from an unordered list.
+fn remove_value(list: &mut Vec<u32>, value: u32) {
+    if let Some(i) = list.iter().position(|&x| x == value) {
+        list.swap_remove(i);
+    }
+}

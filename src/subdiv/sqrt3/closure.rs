@@ -1,0 +1,34 @@
+//! Cells that must be refined together with the selected ones, so that no operation waits for its other side twice.
+
+use super::History;
+use crate::mesh::{TetMesh, topology};
+use rustc_hash::FxHashSet;
+
+/// Adds to the selection, until nothing changes: the cell across a pending face of a selected cell, and the whole ring
+/// of a pending boundary edge or odd crease of a selected cell. Without it quality sinks from step to step.
+pub(super) fn close(mesh: &TetMesh, history: &History, selected: &[bool]) -> Vec<bool> {
+    let mut closed = selected.to_vec();
+    let faces: FxHashSet<[u32; 3]> = history.pending_faces.iter().copied().collect();
+    let edges: FxHashSet<[u32; 2]> = history.pending_edges.iter().chain(&history.odd_creases).copied().collect();
+    if faces.is_empty() && edges.is_empty() {
+        return closed;
+    }
+    let tets = mesh.tets();
+    let neighbours = topology::face_neighbours(tets);
+    let cells_at = topology::VertexCells::new(mesh.points().len(), tets);
+    let mut open: Vec<usize> = (0..tets.len()).filter(|&t| closed[t]).collect();
+    while let Some(t) = open.pop() {
+        let across = topology::tet_faces(tets[t]).into_iter().zip(neighbours[t]);
+        let across = across.filter(|(f, _)| faces.contains(&topology::sorted3(*f))).filter_map(|(_, u)| u);
+        let pending = topology::tet_edges(tets[t]).into_iter().filter(|e| edges.contains(e));
+        let rings =
+            pending.flat_map(|[a, b]| cells_at.at(a).iter().copied().filter(move |&u| tets[u as usize].contains(&b)));
+        for u in across.chain(rings) {
+            if !closed[u as usize] {
+                closed[u as usize] = true;
+                open.push(u as usize);
+            }
+        }
+    }
+    closed
+}

@@ -1,0 +1,127 @@
+"""Reads the .vtu files and the collection of a run with VTK and checks what they promise.
+
+Usage: python tests/read_back.py DIR...
+
+Needs VTK's Python wheel (pip install vtk). Fails on any error or warning of VTK, on a missing or misnamed array, and on
+values that are not finite. Fields other than those of the mesh may be missing; those present must have the right shape.
+"""
+
+import sys
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import numpy as np
+import vtk
+from vtk.util.numpy_support import vtk_to_numpy
+
+TENSOR = ["XX", "YY", "ZZ", "XY", "YZ", "XZ"]
+# name: (components, kind of number, must it be there)
+POINT_ARRAYS = {"displacement": (3, "f8", False), "stress": (6, "f8", False), "von_mises": (1, "f8", False)}
+CELL_ARRAYS = {
+    "region": (1, "i4", True),
+    "refinement_level": (1, "u1", True),
+    "quality": (1, "f8", True),
+    "stress": (6, "f8", False),
+    "von_mises": (1, "f8", False),
+    "error_indicator": (1, "f8", False),
+    "marked": (1, "u1", False),
+}
+
+
+def collect_messages():
+    messages = []
+    window = vtk.vtkOutputWindow()
+    window.SetDisplayModeToNever()
+
+    def remember(_window, _event, text):
+        messages.append(text)
+
+    remember.CallDataType = vtk.VTK_STRING
+    for event in ("ErrorEvent", "WarningEvent", "TextEvent", "MessageEvent"):
+        window.AddObserver(event, remember)
+    vtk.vtkOutputWindow.SetInstance(window)
+    return messages
+
+
+def arrays_of(data):
+    return {data.GetArrayName(i): data.GetArray(i) for i in range(data.GetNumberOfArrays())}
+
+
+def check_arrays(where, data, expected, tuples):
+    present = arrays_of(data)
+    for name, (_, _, needed) in expected.items():
+        assert name in present or not needed, f"{where}: {name} is missing"
+    for name, array in present.items():
+        assert name in expected, f"{where}: unexpected array {name}"
+        components, kind, _ = expected[name]
+        values = vtk_to_numpy(array)
+        assert array.GetNumberOfComponents() == components, f"{where}: {name} has {array.GetNumberOfComponents()} components"
+        assert array.GetNumberOfTuples() == tuples, f"{where}: {name} has {array.GetNumberOfTuples()} values for {tuples}"
+        assert values.dtype == np.dtype(kind), f"{where}: {name} is {values.dtype}"
+        assert np.isfinite(values).all(), f"{where}: {name} is not finite"
+        if components == 6:
+            names = [array.GetComponentName(i) for i in range(6)]
+            assert names == TENSOR, f"{where}: components of {name} are {names}"
+    return {name: vtk_to_numpy(array) for name, array in present.items()}
+
+
+def check_file(path):
+    reader = vtk.vtkXMLUnstructuredGridReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    assert reader.GetErrorCode() == 0, f"{path}: error code {reader.GetErrorCode()}"
+    grid = reader.GetOutput()
+    assert grid.GetNumberOfPoints() > 0 and grid.GetNumberOfCells() > 0, f"{path}: empty"
+    check_arrays(f"{path}: points", grid.GetPointData(), POINT_ARRAYS, grid.GetNumberOfPoints())
+    cells = check_arrays(f"{path}: cells", grid.GetCellData(), CELL_ARRAYS, grid.GetNumberOfCells())
+    if "displacement" in arrays_of(grid.GetPointData()):
+        vectors = grid.GetPointData().GetVectors()
+        assert vectors is not None and vectors.GetName() == "displacement", f"{path}: displacement is not active"
+    time = grid.GetFieldData().GetArray("TimeValue")
+    assert time is not None and time.GetNumberOfTuples() == 1, f"{path}: no TimeValue"
+    check_cells(path, grid, cells)
+    return time.GetValue(0)
+
+
+def check_cells(path, grid, cells):
+    kinds = {grid.GetCellType(i) for i in range(grid.GetNumberOfCells())}
+    assert kinds == {vtk.VTK_TETRA}, f"{path}: not all tetrahedra"
+    points = vtk_to_numpy(grid.GetPoints().GetData())
+    assert points.dtype == np.float64 and np.isfinite(points).all(), f"{path}: points"
+    tets = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, 4)
+    assert tets.min() >= 0 and tets.max() < len(points), f"{path}: a cell uses a point that does not exist"
+    a, b, c, d = (points[tets[:, i]] for i in range(4))
+    volumes = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a)
+    assert (volumes > 0).all(), f"{path}: {(volumes <= 0).sum()} cells are not positive"
+    assert (cells["quality"] > 0).all() and (cells["quality"] < 70.53).all(), f"{path}: quality"
+    if "marked" in cells:
+        assert set(np.unique(cells["marked"])) <= {0, 1}, f"{path}: marked"
+
+
+def check_collection(path, times):
+    entries = ElementTree.parse(path).getroot().findall("./Collection/DataSet")
+    listed = {entry.get("file"): float(entry.get("timestep")) for entry in entries}
+    assert listed == times, f"{path}: lists {listed}, the folder holds {times}"
+    assert list(listed.values()) == sorted(listed.values()), f"{path}: times are not sorted"
+
+
+def check_folder(folder, messages):
+    times = {path.name: check_file(path) for path in sorted(folder.glob("*.vtu"))}
+    assert times, f"{folder}: no .vtu file"
+    collection = folder / "results.pvd"
+    if collection.exists():
+        check_collection(collection, times)
+    assert not messages, f"{folder}: VTK said: {messages}"
+    print(f"{folder}: {len(times)} files read back")
+
+
+def main():
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
+    messages = collect_messages()
+    for folder in sys.argv[1:]:
+        check_folder(Path(folder), messages)
+
+
+if __name__ == "__main__":
+    main()
