@@ -1,10 +1,11 @@
 //! Linear elasticity from the outside: exact solutions, balance, reference energies of the tripod, reproducible bytes.
+#![allow(clippy::unwrap_used)]
 
 use glam::DVec3;
 use subsolid::fem::options::{Method, SolverOptions};
 use subsolid::fem::{self, FemError, Load, LoadKind, Material, Model, Solution, Support};
 use subsolid::mesh::generate::box_tets;
-use subsolid::mesh::{GroupId, TetMesh};
+use subsolid::mesh::{GroupId, RegionId, TetMesh};
 use subsolid::subdiv::options::{Options, Scheme};
 use subsolid::subdiv::{self, History};
 
@@ -82,6 +83,28 @@ fn bar_in_tension_stretches_by_stress_times_length_over_e() {
 }
 
 #[test]
+fn bars_in_series_add_their_stretch() {
+    let mesh = box_tets([2.0, 1.0, 1.0], [6, 2, 2]).unwrap();
+    let soft: Vec<bool> =
+        (0..mesh.tets().len()).map(|t| mesh.cell_points(t).iter().map(|p| p.x).sum::<f64>() > 4.0).collect();
+    let mut parts = mesh.into_parts();
+    parts.regions = soft.iter().map(|s| RegionId(u16::from(*s))).collect();
+    parts.region_names = vec!["stiff".to_owned(), "soft".to_owned()];
+    let mesh = TetMesh::new(parts).unwrap();
+    let bar = |youngs_modulus| Material { youngs_modulus, poissons_ratio: 0.0, density: 0.0 };
+    let pull = LoadKind::Traction(group(&mesh, "x-max"), DVec3::new(6.0, 0.0, 0.0));
+    let materials = vec![bar(1000.0), bar(10.0)];
+    let model = Model { materials, supports: rollers(&mesh), loads: vec![load(pull)] };
+    for method in [Method::Direct, Method::Cg] {
+        let solution = analyse(&mesh, &model, method);
+        for (u, x) in solution.displacement.iter().zip(mesh.points()) {
+            let exact = 6.0 * (x.x.min(1.0) / 1000.0 + (x.x - 1.0).max(0.0) / 10.0);
+            assert!((*u - DVec3::new(exact, 0.0, 0.0)).length() < 1e-9, "{method:?}: {u} at {x}");
+        }
+    }
+}
+
+#[test]
 fn prescribed_stretch_and_the_load_that_makes_it_agree() {
     let mesh = box_tets([4.0, 1.0, 1.0], [5, 2, 3]).unwrap();
     let mut supports = rollers(&mesh);
@@ -132,6 +155,34 @@ fn auto_takes_cg_when_the_factor_is_too_large_and_says_so() {
     assert_eq!((cg.info.method, direct.info.method), ("cg", "direct"));
     assert!(cg.info.reason.contains("limit") && direct.info.reason.contains("limit"));
     assert!(cg.displacement.iter().zip(&direct.displacement).all(|(a, b)| (*a - *b).length() < 1e-10));
+}
+
+#[test]
+fn iterations_hardly_grow_with_the_mesh() {
+    let iterations = [6, 12, 24].map(|cells| {
+        let (mesh, model) = pressed_box(cells);
+        let system = fem::assemble(&mesh, &model).unwrap();
+        fem::solve(&system, &SolverOptions { tolerance: 1e-8, ..with(Method::Cg) }).unwrap().info.iterations
+    });
+    assert!(iterations[2] < iterations[0] + 30 && iterations[2] < 80, "{iterations:?}");
+}
+
+#[test]
+fn auto_solves_large_systems_by_cg() {
+    let (mesh, model) = pressed_box(12);
+    assert_eq!(analyse(&mesh, &model, Method::Auto).info.method, "cg");
+}
+
+#[test]
+fn auto_turns_to_the_direct_method_where_cg_is_slow() {
+    let (mesh, model) = pressed_box(12);
+    let mut parts = mesh.into_parts();
+    parts.points.iter_mut().for_each(|p| p.z *= 100.0);
+    let mesh = TetMesh::new(parts).unwrap();
+    let options = SolverOptions { tolerance: 1e-6, ..with(Method::Auto) };
+    let info = fem::solve(&fem::assemble(&mesh, &model).unwrap(), &options).unwrap().info;
+    assert_eq!(info.method, "direct", "{info:?}");
+    assert!(info.reason.contains("300 iterations"), "{info:?}");
 }
 
 #[test]

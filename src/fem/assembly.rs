@@ -16,6 +16,8 @@ pub struct System {
     /// Force of the loads at each node.
     pub(super) loads: Vec<DVec3>,
     pub(super) numbering: Dofs,
+    /// Positions of the nodes: the rigid motions that the iterative solver builds on depend on them.
+    pub(super) points: Vec<DVec3>,
 }
 
 impl System {
@@ -48,7 +50,8 @@ impl System {
 pub fn assemble(mesh: &TetMesh, model: &Model) -> Result<System, FemError> {
     check::check(mesh, model)?;
     let numbering = Dofs::new(mesh, model)?;
-    Ok(System { stiffness: stiffness(mesh, model), loads: loads::nodal_forces(mesh, model), numbering })
+    let (stiffness, loads) = (stiffness(mesh, model), loads::nodal_forces(mesh, model));
+    Ok(System { stiffness, loads, numbering, points: mesh.points().to_vec() })
 }
 
 /// The stiffness of all nodes. Each row is gathered by one task from the cells of its node in ascending order, so that

@@ -42,7 +42,7 @@ pub fn check_constraints(mesh: &TetMesh, model: &Model) -> Result<(), FemError> 
     let more = motions.len().saturating_sub(MAX_NAMED);
     motions.truncate(MAX_NAMED);
     if more > 0 {
-        motions.push(format!("so can {more} more"));
+        motions.push(format!("{more} more parts can move as well"));
     }
     if motions.is_empty() { Ok(()) } else { Err(FemError::FreeMotion { motions }) }
 }
@@ -80,9 +80,8 @@ impl Body {
     }
 }
 
-/// A linear condition on rigid motions: six coefficients for one part, and for a joint six for another.
+/// A linear condition on rigid motions: six coefficients for a part, and for a joint six for another.
 struct Row {
-    part: u32,
     coefficients: [f64; 6],
     other: Option<(u32, [f64; 6])>,
 }
@@ -112,17 +111,20 @@ impl Bodies {
         Self { parts, part_at, joints }
     }
 
-    /// The conditions of the supports and joints.
-    fn constraint_rows(&self, mesh: &TetMesh, numbering: &Dofs) -> Vec<Row> {
+    /// The conditions of the supports and joints, by part; those of a joint with the first of its two.
+    fn constraint_rows(&self, mesh: &TetMesh, numbering: &Dofs) -> Vec<Vec<Row>> {
         let modes = |part: u32, v: u32, c: usize| self.parts[part as usize].modes(mesh.points()[v as usize], c);
-        let supports = numbering.prescribed().iter().map(|p| {
+        let mut rows: Vec<Vec<Row>> = self.parts.iter().map(|_| Vec::new()).collect();
+        for p in numbering.prescribed() {
             let part = self.part_at[p.node as usize];
-            Row { part, coefficients: modes(part, p.node, p.component as usize), other: None }
-        });
-        let joints = self.joints.iter().flat_map(|&(v, a, b)| {
-            (0..3).map(move |c| Row { part: a, coefficients: modes(a, v, c), other: Some((b, modes(b, v, c))) })
-        });
-        supports.chain(joints).collect()
+            let coefficients = modes(part, p.node, p.component as usize);
+            rows[part as usize].push(Row { coefficients, other: None });
+        }
+        for &(v, a, b) in &self.joints {
+            let row = |c| Row { coefficients: modes(a, v, c), other: Some((b, modes(b, v, c))) };
+            rows[a as usize].extend((0..3).map(row));
+        }
+        rows
     }
 
     /// Sets of parts connected by joints, ascending.
@@ -149,7 +151,7 @@ impl Bodies {
     /// Says how a part can move; `free` holds orthonormal motions in its columns.
     fn sentence(&self, part: u32, free: &DMatrix<f64>) -> String {
         let body = &self.parts[part as usize];
-        let (lo, hi) = (point(body.lo), point(body.hi));
+        let (lo, hi) = (rounded(body.lo, body.radius()), rounded(body.hi, body.radius()));
         let (number, count) = (part + 1, self.parts.len());
         let motion = if free.ncols() == 6 { "move and rotate in every way".to_owned() } else { describe(body, free) };
         format!("part {number} of {count} ({} cells, box {lo} to {hi}) can still {motion}", body.cells)
@@ -157,28 +159,19 @@ impl Bodies {
 }
 
 /// The motions of a cluster of parts that satisfy all conditions: orthonormal columns, six rows a part.
-fn free_motions(cluster: &[u32], rows: &[Row]) -> DMatrix<f64> {
+fn free_motions(cluster: &[u32], rows: &[Vec<Row>]) -> DMatrix<f64> {
     let size = 6 * cluster.len();
     let mut gram = DMatrix::<f64>::zeros(size, size);
-    let mut scatter = |place: usize, coefficients: &[f64; 6], other: Option<(usize, &[f64; 6])>| {
-        let mut full = DVector::<f64>::zeros(size);
-        full.rows_mut(6 * place, 6).copy_from_slice(coefficients);
-        if let Some((place, coefficients)) = other {
-            full.rows_mut(6 * place, 6).iter_mut().zip(coefficients).for_each(|(f, c)| *f = -c);
-        }
-        gram.ger(1.0, &full, &full, 1.0);
-    };
-    for row in rows {
-        let place = |part: u32| cluster.binary_search(&part).ok();
-        match (place(row.part), &row.other) {
-            (Some(own), None) => scatter(own, &row.coefficients, None),
-            (Some(own), Some((other, coefficients))) => {
+    for (own, &part) in cluster.iter().enumerate() {
+        for row in &rows[part as usize] {
+            let mut condition = DVector::<f64>::zeros(size);
+            condition.rows_mut(6 * own, 6).copy_from_slice(&row.coefficients);
+            if let Some((other, coefficients)) = &row.other {
                 // A joint to a part examined elsewhere (see MAX_COUPLED) is no condition here.
-                if let Some(other) = place(*other) {
-                    scatter(own, &row.coefficients, Some((other, coefficients)));
-                }
+                let Ok(place) = cluster.binary_search(other) else { continue };
+                condition.rows_mut(6 * place, 6).iter_mut().zip(coefficients).for_each(|(f, c)| *f = -c);
             }
-            (None, _) => {}
+            gram.ger(1.0, &condition, &condition, 1.0);
         }
     }
     let eigen = SymmetricEigen::new(gram);
@@ -213,7 +206,7 @@ fn describe(body: &Body, free: &DMatrix<f64>) -> String {
         let shift = shift - shifts.iter().map(|s| s.dot(shift) * *s).sum::<DVec3>();
         let through = body.centre() + body.radius() * w.cross(shift);
         let screw = if shift.dot(w).abs() > ZERO.sqrt() { " and along" } else { "" };
-        format!("rotate about{screw} {} through {}", direction(w), point(through))
+        format!("rotate about{screw} {} through {}", direction(w), rounded(through, body.radius()))
     }));
     words.join(", ")
 }
@@ -233,11 +226,13 @@ fn axis_basis(span: &[DVec3]) -> Vec<DVec3> {
 
 fn direction(v: DVec3) -> String {
     let axis = DVec3::AXES.into_iter().zip(["x", "y", "z"]).find(|(e, _)| v.cross(*e).length() < ZERO.sqrt());
-    axis.map_or_else(|| point(v), |(_, name)| name.to_owned())
+    axis.map_or_else(|| rounded(v, 1.0), |(_, name)| name.to_owned())
 }
 
-/// Four digits; adding zero turns -0 into 0.
-fn point(p: DVec3) -> String {
-    let [x, y, z] = p.to_array().map(|c| (c * 1e4).round() / 1e4 + 0.0);
+/// A position or vector to four digits of `scale`.
+fn rounded(p: DVec3, scale: f64) -> String {
+    let decimals = (3 - scale.log10().floor() as i32).clamp(0, 300);
+    // Text and back drops trailing zeros; adding zero turns -0 into 0.
+    let [x, y, z] = p.to_array().map(|c| format!("{c:.0$}", decimals as usize).parse().unwrap_or(c) + 0.0);
     format!("({x}, {y}, {z})")
 }

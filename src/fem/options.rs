@@ -6,11 +6,12 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
-    /// Direct while its memory forecast stays below [`SolverOptions::direct_memory_limit`], else conjugate gradients.
+    /// Direct for small systems, else conjugate gradients; direct again where these converge slowly, as long as its
+    /// memory forecast stays below [`SolverOptions::direct_memory_limit`].
     Auto,
     /// Sparse Cholesky with a nested-dissection ordering.
     Direct,
-    /// Conjugate gradients, preconditioned by the inverse of the 3x3 diagonal blocks.
+    /// Conjugate gradients, preconditioned on two levels: 3x3 diagonal blocks, and rigid motions of aggregates of nodes.
     Cg,
 }
 

@@ -71,13 +71,13 @@ fn rigid_motions_have_no_energy_and_need_no_force() {
     }
 }
 
-/// The divergence-free field of Burkhart's benchmark cube: u = (sx cy cz, -2 cx sy cz, cx cy sz), with f = 3 pi^2 mu u.
+/// A divergence-free displacement: u = (sx cy cz, -2 cx sy cz, cx cy sz), with f = 3 pi^2 mu u.
 fn smooth(x: DVec3) -> DVec3 {
     let (s, c) = ((PI * x).map(f64::sin), (PI * x).map(f64::cos));
     DVec3::new(s.x * c.y * c.z, -2.0 * c.x * s.y * c.z, c.x * c.y * s.z)
 }
 
-/// `int N_i f dV` by the collapsed product of three-point Gauss rules: exact to degree 3 in every direction.
+/// `int N_i f dV` by a collapsed product of three-point Gauss rules, exact for polynomials of degree 3.
 fn body_forces(mesh: &TetMesh, f: impl Fn(DVec3) -> DVec3) -> Vec<DVec3> {
     let root = 0.6_f64.sqrt();
     let gauss = [(0.5 - 0.5 * root, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.5 + 0.5 * root, 5.0 / 18.0)];

@@ -1,6 +1,8 @@
 //! Solving `K u = f` under prescribed displacements.
 
 mod cg;
+mod cholesky;
+mod coarse;
 mod direct;
 mod ordering;
 
@@ -9,6 +11,13 @@ use super::options::{Method, SolverOptions};
 use super::{FemError, System};
 use glam::DVec3;
 use rayon::prelude::*;
+
+/// Unknowns up to which [`Method::Auto`] starts with the direct method: below, neither takes more than some hundredths of
+/// a second.
+const SMALL: usize = 5_000;
+
+/// Iterations after which [`Method::Auto`] doubts conjugate gradients: five times as many as well-shaped meshes need.
+const FEW_ITERATIONS: usize = 300;
 
 /// How a system was solved.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,23 +54,31 @@ pub fn solve(system: &System, options: &SolverOptions) -> Result<Solved, FemErro
         return Ok(problem.nothing_to_solve());
     }
     match options.method {
-        Method::Cg => cg::solve(&problem, "asked for".to_owned()),
-        Method::Direct => direct::solve(&problem, &direct::Analysis::new(system)?, "asked for".to_owned()),
+        Method::Cg => cg::solve(&problem, "asked for".to_owned(), cg::MAX_ITERATIONS),
+        Method::Direct => direct::solve(&problem, direct::analyse(system)?, "asked for".to_owned()),
         Method::Auto => solve_auto(&problem, options.direct_memory_limit),
     }
 }
 
-/// Direct if the forecast of its memory is below the limit, else conjugate gradients.
+/// Direct for small systems; else conjugate gradients, and direct if they converge slowly and memory suffices.
 fn solve_auto(problem: &Problem, limit: u64) -> Result<Solved, FemError> {
-    let analysis = direct::Analysis::new(problem.system)?;
-    let bytes = analysis.factor_bytes();
+    let unknowns = problem.system.free_dofs();
+    let mut reason = format!("{unknowns} unknowns");
+    if unknowns > SMALL {
+        match cg::solve(problem, format!("{reason}, more than {SMALL}"), FEW_ITERATIONS) {
+            Err(FemError::NotConverged { .. }) => reason += &format!(", more than {FEW_ITERATIONS} iterations"),
+            done => return done,
+        }
+    }
+    let analysis = direct::analyse(problem.system)?;
     let megabytes = |bytes: u64| bytes as f64 / 1e6;
-    let against = format!("{:.0} MB of factor, limit {:.0} MB", megabytes(bytes), megabytes(limit));
-    if bytes <= limit {
-        direct::solve(problem, &analysis, against)
+    let (bytes, most) = (megabytes(analysis.factor_bytes()), megabytes(limit));
+    reason += &format!("; the factor takes {bytes:.3} MB, the limit is {most:.3} MB");
+    if analysis.factor_bytes() <= limit {
+        direct::solve(problem, analysis, reason)
     } else {
         drop(analysis);
-        cg::solve(problem, against)
+        cg::solve(problem, reason, cg::MAX_ITERATIONS)
     }
 }
 
