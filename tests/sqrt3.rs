@@ -2,6 +2,7 @@
 //!
 //! `TetMesh::new` itself checks after every step that all cells are positive and that the boundary faces are exactly
 //! the boundary, so a step that returns has kept both.
+#![allow(clippy::unwrap_used)]
 
 use glam::DVec3;
 use proptest::prelude::*;

@@ -94,22 +94,13 @@ fn add_scaled(sum: &mut SymTensor, weight: f64, s: &SymTensor) {
     }
 }
 
-/// s : C^-1 : s = ((1 + nu) s : s - nu (tr s)^2) / E.
-fn complementary(material: &Material, s: &SymTensor) -> f64 {
-    let [xx, yy, zz, xy, yz, xz] = *s;
-    let trace = xx + yy + zz;
-    let product = xx * xx + yy * yy + zz * zz + 2.0 * (xy * xy + yz * yz + xz * xz);
-    let nu = material.poissons_ratio;
-    ((1.0 + nu) * product - nu * trace * trace) / material.youngs_modulus
-}
-
 /// Integral of the complementary product of the linear field with these values at the vertices.
 fn squared_error(material: &Material, volume: f64, differences: &[SymTensor; 4]) -> f64 {
     let mut sum = [0.0; 6];
     differences.iter().for_each(|d| add_scaled(&mut sum, 1.0, d));
-    let squares: f64 = differences.iter().map(|d| complementary(material, d)).sum();
+    let squares: f64 = differences.iter().map(|d| material.compliance_energy(*d)).sum();
     // Rounding may leave less than nothing where all differences vanish but for their trace at nu near 1/2.
-    (volume / 20.0 * (squares + complementary(material, &sum))).max(0.0)
+    (volume / 20.0 * (squares + material.compliance_energy(sum))).max(0.0)
 }
 
 /// One stress a vertex: the mean over the regions there, weighted by volume.

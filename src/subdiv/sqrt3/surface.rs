@@ -78,7 +78,7 @@ fn flip_edges(solid: &mut Solid, old: &OldMesh, filling: &mut Filling) -> Flips<
 pub(super) fn retry_edges(solid: &mut Solid, flips: &mut Flips<2>, filling: &mut Filling) {
     let refused = std::mem::take(&mut flips.refused);
     for edge in refused {
-        if flip_edge(solid, edge, filling, |worst| worst.min(RETRY_FLOOR).max(VALID)) {
+        if flip_edge(solid, edge, filling, |worst| worst.clamp(VALID, RETRY_FLOOR)) {
             flips.done += 1;
         } else {
             flips.refused.push(edge);
