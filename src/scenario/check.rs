@@ -7,7 +7,7 @@ use super::raw::*;
 use super::selector::{KINDS, at_most_one, no_selector, one};
 use super::*;
 use crate::output::options::PublishedStep;
-use crate::subdiv::options::{Boundary, Scheme};
+use crate::subdiv::options::{Boundary, Optimise, Scheme};
 use std::ops::Range;
 use toml::Spanned;
 
@@ -228,7 +228,12 @@ fn refine(raw: Option<RawRefine>, warnings: &mut Vec<String>) -> Checked<Refine>
                     energies and errors of different steps do not compare exactly (\"fixed\" keeps the surface)";
         warnings.push(text.to_owned());
     }
-    Ok(Refine { strategy, steps, options: Options { scheme, boundary, passes }, stop })
+    Ok(Refine {
+        strategy,
+        steps,
+        options: Options { scheme, boundary, optimise: Optimise { passes, ..Optimise::default() } },
+        stop,
+    })
 }
 
 fn stop(raw: &RawStop) -> Checked<Stop> {

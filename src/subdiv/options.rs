@@ -22,6 +22,43 @@ pub enum Boundary {
     Approximating,
 }
 
+/// With which operations a refined mesh is optimised.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mode {
+    /// Those of the paper: edge removal and smoothing of interior vertices.
+    Paper,
+    /// All there are, towards the [`Objective`].
+    Best,
+}
+
+/// What optimisation in [`Mode::Best`] is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Objective {
+    /// Large dihedral angles: for meshes as such.
+    Quality,
+    /// A small interpolation error of the displacement: for analysis.
+    Error,
+}
+
+/// Parameters of the optimisation of a refined mesh.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Optimise {
+    /// The operations.
+    pub mode: Mode,
+    /// What they are for (in [`Mode::Best`]; the paper's operations are for the angles).
+    pub objective: Objective,
+    /// Passes at most.
+    pub passes: usize,
+}
+
+impl Default for Optimise {
+    fn default() -> Self {
+        Self { mode: Mode::Paper, objective: Objective::Quality, passes: 3 }
+    }
+}
+
 /// Parameters of [`super::refine`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
@@ -29,12 +66,12 @@ pub struct Options {
     pub scheme: Scheme,
     /// The boundary rule.
     pub boundary: Boundary,
-    /// Passes of interior optimisation (edge removal and smoothing) in each step; the paper's scheme needs at least 1.
-    pub passes: usize,
+    /// How the refined mesh is optimised.
+    pub optimise: Optimise,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { scheme: Scheme::Sqrt3, boundary: Boundary::Fixed, passes: 3 }
+        Self { scheme: Scheme::Sqrt3, boundary: Boundary::Fixed, optimise: Optimise::default() }
     }
 }

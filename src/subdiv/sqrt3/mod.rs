@@ -54,7 +54,7 @@ pub(super) fn refine(
         Boundary::Fixed => surface::halve_edges(&mut solid, &old),
         Boundary::Approximating => surface::subdivide(&mut solid, &old, &mut improver.filling),
     };
-    improver.improve(&mut solid, start, options.passes);
+    improver.improve(&mut solid, start, options.optimise.passes);
     let mut rejected = 0;
     if options.boundary == Boundary::Approximating {
         rejected += surface::smooth(&mut solid, &old, &mut improver);
@@ -62,7 +62,7 @@ pub(super) fn refine(
     let now = solid.tick();
     flip::retry_faces(&mut solid, &mut faces);
     surface::retry_edges(&mut solid, &mut edges, &mut improver.filling);
-    improver.improve(&mut solid, now, options.passes);
+    improver.improve(&mut solid, now, options.optimise.passes);
 
     let history = next_history(&solid, history, &old, &faces, &edges);
     let info = Info {
