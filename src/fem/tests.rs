@@ -103,7 +103,11 @@ fn body_forces(mesh: &TetMesh, f: impl Fn(DVec3) -> DVec3) -> Vec<DVec3> {
 
 /// Relative energy error on the smooth cube with n bricks a side.
 fn smooth_cube_error(n: usize, poissons_ratio: f64) -> f64 {
-    let mesh = box_tets([1.0; 3], [n; 3]).unwrap();
+    smooth_cube_error_on(&box_tets([1.0; 3], [n; 3]).unwrap(), poissons_ratio)
+}
+
+/// Relative energy error on a mesh of the unit cube whose groups are the sides of the box.
+fn smooth_cube_error_on(mesh: &TetMesh, poissons_ratio: f64) -> f64 {
     let material = Material { poissons_ratio, ..SOFT };
     let supports = (0..6_u32).map(|side| {
         let mut displacement = [None; 3];
@@ -111,10 +115,10 @@ fn smooth_cube_error(n: usize, poissons_ratio: f64) -> f64 {
         Support { name: format!("roller {side}"), group: GroupId(side), displacement }
     });
     let model = Model { materials: vec![material], supports: supports.collect(), loads: vec![] };
-    let mut system = assemble(&mesh, &model).unwrap();
+    let mut system = assemble(mesh, &model).unwrap();
     let mu = material.mu();
-    system.loads = body_forces(&mesh, |x| 3.0 * PI * PI * mu * smooth(x));
-    let solution = recover(&mesh, &model, &system, &solve(&system, &exactly()).unwrap());
+    system.loads = body_forces(mesh, |x| 3.0 * PI * PI * mu * smooth(x));
+    let solution = recover(mesh, &model, &system, &solve(&system, &exactly()).unwrap());
     let exact = 9.0 * PI * PI * mu / 4.0;
     ((exact - 2.0 * solution.strain_energy) / exact).sqrt()
 }
@@ -145,4 +149,24 @@ fn vertices_of_no_cell_are_left_alone() {
         assert_eq!(solved.displacement[0], DVec3::ZERO);
         assert!(solved.displacement.iter().all(|u| u.is_finite()));
     }
+}
+
+#[test]
+fn probe_e() {
+    use crate::subdiv::{self, options::*};
+    for n in [2, 3, 4] { for scheme in [Scheme::Red, Scheme::Sqrt3] { for passes in [0, 1, 3] {
+        let mut mesh = crate::mesh::features::with_creases(box_tets([1.0; 3], [n; 3]).unwrap(), 40.0, &[]);
+        let mut h = subdiv::History::default();
+        let t = std::time::Instant::now();
+        for _ in 0..2 {
+            let r = subdiv::refine(&mesh, &h, &vec![true; mesh.tets().len()], &Options { scheme, ..Default::default() }).unwrap();
+            (mesh, h) = (r.mesh, r.history);
+            if passes > 0 { mesh = subdiv::optimise(&mesh, &vec![1.0; mesh.points().len()], passes).unwrap(); }
+        }
+        let dt = t.elapsed().as_secs_f64();
+        let e = smooth_cube_error_on(&mesh, 0.3);
+        let cost: f64 = (0..mesh.tets().len()).map(|t| subdiv::cell_cost(mesh.cell_points(t))).sum();
+        let dofs = 3.0 * mesh.points().len() as f64;
+        println!("n {n} {scheme:?} passes {passes}: T {} N {} error*dofs^1/3 {:.3} interp {:.3} worst {:.1} {:.0} tets/s", mesh.tets().len(), mesh.points().len(), e * dofs.cbrt(), cost.sqrt()*dofs.cbrt(), crate::mesh::quality::quality(&mesh).worst, mesh.tets().len() as f64 / dt);
+    } } }
 }

@@ -9,7 +9,8 @@ use crate::mesh::TetMesh;
 use crate::output::progress::Progress;
 use crate::output::report::{PROGRAM, PhaseSeconds, Report, SCHEMA, StepRecord, StopReason};
 use crate::scenario::{Scenario, Strategy};
-use crate::subdiv::{self, History};
+use crate::subdiv::options::{Mode, Objective};
+use crate::subdiv::{self, History, Refined};
 use std::time::Instant;
 
 /// What the loop needs besides the problem.
@@ -61,8 +62,7 @@ pub(super) fn simulate(
         }
         let _phase = plan.progress.phase(format!("step {}: refine", index + 1));
         refine_seconds = 0.0;
-        let refine = || subdiv::refine(&mesh, &history, &selected, &plan.scenario.refine.options);
-        let refined = timed(&mut refine_seconds, refine)?;
+        let refined = timed(&mut refine_seconds, || refine(&step, &history, plan))?;
         (mesh, history) = (refined.mesh, refined.history);
     };
     Ok(Report {
@@ -75,6 +75,18 @@ pub(super) fn simulate(
         seconds_total: start.elapsed().as_secs_f64(),
         peak_memory_bytes: (plan.memory.peak)() as u64,
     })
+}
+
+/// The next mesh: refined, and optimised for analysis where the scenario says so, with weights from the error estimate.
+fn refine(step: &Step<'_>, history: &History, plan: &Plan<'_>) -> Result<Refined, Error> {
+    let options = &plan.scenario.refine.options;
+    let mut refined = subdiv::refine(step.mesh, history, step.selected, options)?;
+    if options.optimise.mode == Mode::Best && options.optimise.objective == Objective::Error {
+        let weights = subdiv::vertex_weights(step.mesh, &step.analysed.errors.squared);
+        let weights = subdiv::carry_over(&weights, &refined.transfer);
+        refined.mesh = subdiv::optimise(&refined.mesh, &weights, options.optimise.passes)?;
+    }
+    Ok(refined)
 }
 
 /// Runs `work` and adds its wall time to `seconds`.

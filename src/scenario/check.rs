@@ -7,7 +7,7 @@ use super::raw::*;
 use super::selector::{KINDS, at_most_one, no_selector, one};
 use super::*;
 use crate::output::options::PublishedStep;
-use crate::subdiv::options::{Boundary, Optimise, Scheme};
+use crate::subdiv::options::{Boundary, Mode, Objective, Optimise, Scheme};
 use std::ops::Range;
 use toml::Spanned;
 
@@ -221,7 +221,7 @@ fn refine(raw: Option<RawRefine>, warnings: &mut Vec<String>) -> Checked<Refine>
     // A stop rule ends the run where it is met; without one, a single step is the modest choice.
     let default_steps = if stop == Stop::default() { 1 } else { MAX_STEPS as usize };
     let steps = raw.steps.map(|n| integer(&n, 0..=MAX_STEPS)).transpose()?.unwrap_or(default_steps);
-    let passes = raw.optimise.and_then(|t| t.value.passes).map(|n| integer(&n, 1..=100)).transpose()?.unwrap_or(3);
+    let optimise = optimise(&raw.optimise.map(|t| t.value).unwrap_or_default())?;
     let boundary = raw.boundary.unwrap_or(Boundary::Fixed);
     if boundary == Boundary::Approximating && strategy != Strategy::None && scheme == Scheme::Sqrt3 {
         let text = "refine.boundary = \"approximating\" moves the surface: each step solves another domain, so that \
@@ -231,9 +231,16 @@ fn refine(raw: Option<RawRefine>, warnings: &mut Vec<String>) -> Checked<Refine>
     Ok(Refine {
         strategy,
         steps,
-        options: Options { scheme, boundary, optimise: Optimise { passes, ..Optimise::default() } },
+        options: Options { scheme, boundary, optimise },
         stop,
     })
+}
+
+/// For analysis the objective is a small error; the paper's operations know only the angles.
+fn optimise(raw: &RawOptimise) -> Checked<Optimise> {
+    let passes = raw.passes.as_ref().map(|n| integer(n, 1..=100)).transpose()?.unwrap_or(3);
+    let mode = raw.mode.unwrap_or(Mode::Best);
+    Ok(Optimise { mode, objective: raw.objective.unwrap_or(Objective::Error), passes })
 }
 
 fn stop(raw: &RawStop) -> Checked<Stop> {

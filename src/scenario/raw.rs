@@ -3,7 +3,7 @@
 use crate::adapt::options::Estimator;
 use crate::fem::options::Method;
 use crate::output::options::Compression;
-use crate::subdiv::options::{Boundary, Scheme};
+use crate::subdiv::options::{Boundary, Mode, Objective, Scheme};
 use serde::{Deserialize, Deserializer, de};
 use std::{collections::BTreeMap, fmt, marker::PhantomData, ops::Range};
 use toml::Spanned;
@@ -240,28 +240,12 @@ pub(super) struct RawRefine {
     pub stop: Option<Table<RawStop>>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawOptimise {
-    #[serde(rename = "mode")]
-    pub _mode: Option<Mode>,
-    #[serde(rename = "objective")]
-    pub _objective: Option<Objective>,
+    pub mode: Option<Mode>,
+    pub objective: Option<Objective>,
     pub passes: Option<Integer>,
-}
-
-/// Which operations improve the mesh after a step.
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum Mode {
-    Paper,
-}
-
-/// What they improve.
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum Objective {
-    Quality,
 }
 
 #[derive(Debug, Default, Deserialize)]

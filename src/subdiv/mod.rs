@@ -8,7 +8,9 @@ mod sqrt3;
 
 use crate::mesh::{MeshError, TetMesh};
 use options::{Options, Scheme};
+use solid::Solid;
 
+pub use improve::error::{cost as cell_cost, vertex_weights};
 pub use sqrt3::History;
 
 /// What refinement made.
@@ -16,10 +18,57 @@ pub use sqrt3::History;
 pub struct Refined {
     /// The finer mesh.
     pub mesh: TetMesh,
+    /// How fields at vertices are carried over: the vertices of the old mesh keep their numbers, and each new vertex has
+    /// one entry here, in order.
+    pub transfer: Vec<Stencil>,
     /// What the next step of the same scheme has to know; hand it back with `mesh`.
     pub history: History,
     /// What was done.
     pub info: Info,
+}
+
+/// A vertex as an affine combination of vertices with smaller numbers, by the topology of the split that made it (where
+/// smoothing moved it to does not matter). Unused entries have weight zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stencil {
+    /// Up to four vertices.
+    pub vertices: [u32; 4],
+    /// Their weights; the sum is one.
+    pub weights: [f64; 4],
+}
+
+impl Stencil {
+    /// Equal weights on one to four vertices.
+    pub(crate) fn mean(vertices: &[u32]) -> Self {
+        let share = 1.0 / vertices.len() as f64;
+        let entry = |i: usize| vertices.get(i).map_or((vertices[0], 0.0), |v| (*v, share));
+        let entries = [entry(0), entry(1), entry(2), entry(3)];
+        Self { vertices: entries.map(|e| e.0), weights: entries.map(|e| e.1) }
+    }
+
+    /// The point that divides the edge from a to b at `share`.
+    pub(crate) fn between(a: u32, b: u32, share: f64) -> Self {
+        Self { vertices: [a, b, a, a], weights: [1.0 - share, share, 0.0, 0.0] }
+    }
+
+    /// The combination of values given by vertex.
+    pub(crate) fn combine<T>(&self, value: impl Fn(u32) -> T) -> T
+    where
+        T: std::ops::Mul<f64, Output = T> + std::ops::Add<Output = T>,
+    {
+        let term = |i: usize| value(self.vertices[i]) * self.weights[i];
+        term(0) + term(1) + term(2) + term(3)
+    }
+}
+
+/// Carries a field at the vertices of the old mesh over to the refined one.
+#[must_use]
+pub fn carry_over(field: &[f64], transfer: &[Stencil]) -> Vec<f64> {
+    let mut values = field.to_vec();
+    for stencil in transfer {
+        values.push(stencil.combine(|v| values[v as usize]));
+    }
+    values
 }
 
 /// Counts of one refinement step.
@@ -53,4 +102,19 @@ pub fn refine(mesh: &TetMesh, history: &History, selected: &[bool], options: &Op
         Scheme::Red => red::refine(mesh, selected),
         Scheme::Sqrt3 => sqrt3::refine(mesh, history, selected, options),
     }
+}
+
+/// The mesh optimised for analysis, by weighted interpolation error (see [`Objective::Error`]). `weights` has a positive
+/// entry for each vertex, such as [`vertex_weights`] gives; equal entries where nothing is known.
+///
+/// # Errors
+/// [`MeshError::Inconsistent`] if there is not one weight a vertex.
+pub fn optimise(mesh: &TetMesh, weights: &[f64], passes: usize) -> Result<TetMesh, MeshError> {
+    if weights.len() != mesh.points().len() {
+        let (got, want) = (weights.len(), mesh.points().len());
+        return Err(MeshError::Inconsistent(format!("{got} weights for {want} vertices")));
+    }
+    let mut solid = Solid::new(mesh);
+    improve::error::optimise(&mut solid, weights, passes);
+    solid.finish()
 }

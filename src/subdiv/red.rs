@@ -1,6 +1,6 @@
 //! Red refinement (Bey): one cell into eight, the inner octahedron cut along its shortest diagonal.
 
-use super::{History, Info, Refined};
+use super::{History, Info, Refined, Stencil};
 use crate::mesh::{Crease, Face, MeshError, RegionId, TetMesh, TetMeshParts, quality, topology};
 use glam::DVec3;
 
@@ -16,6 +16,7 @@ pub(super) fn refine(mesh: &TetMesh, selected: &[bool]) -> Result<Refined, MeshE
     let edges = topology::edges(mesh.tets());
     let midpoints = Midpoints { first: mesh.points().len() as u32, edges: &edges };
     let old = mesh.points();
+    let transfer = edges.iter().map(|e| Stencil::mean(e)).collect();
     let midpoint = |e: &[u32; 2]| 0.5 * (old[e[0] as usize] + old[e[1] as usize]);
     let points: Vec<DVec3> = old.iter().copied().chain(edges.iter().map(midpoint)).collect();
 
@@ -31,7 +32,7 @@ pub(super) fn refine(mesh: &TetMesh, selected: &[bool]) -> Result<Refined, MeshE
     let worst_sine = worst_sine(&points, &tets);
     let parts = TetMeshParts { points, tets, regions, levels, faces, creases, ..mesh.clone().into_parts() };
     let info = Info { asked: selected.len(), split: selected.len(), worst_sine, ..Info::default() };
-    Ok(Refined { mesh: TetMesh::new(parts)?, history: History::default(), info })
+    Ok(Refined { mesh: TetMesh::new(parts)?, transfer, history: History::default(), info })
 }
 
 /// Smallest minimum sine of the cells.

@@ -3,6 +3,7 @@
 //! Only vertex-to-cell lists are kept; everything else (rings of edges, cells at a face) is found from them. Slots of
 //! removed cells are used again. Vertices are only ever added, so their numbers stay.
 
+use super::Stencil;
 use crate::mesh::{Crease, Face, MeshError, PatchId, RegionId, TetMesh, TetMeshParts, quality, topology};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
@@ -31,6 +32,8 @@ pub(super) struct CellTag {
 /// A mesh being changed.
 pub(super) struct Solid {
     points: Vec<DVec3>,
+    /// How each added vertex was made.
+    transfer: Vec<Stencil>,
     tets: Vec<[u32; 4]>,
     tags: Vec<CellTag>,
     sines: Vec<f64>,
@@ -42,7 +45,9 @@ pub(super) struct Solid {
     free_faces: Vec<u32>,
     faces_at: Vec<Vec<u32>>,
     creases: FxHashMap<[u32; 2], bool>,
+    /// Vertices on a crease, and corners.
     pinned: Vec<bool>,
+    corners: Vec<bool>,
     rest: TetMeshParts,
 }
 
@@ -63,6 +68,7 @@ impl Solid {
         let count = mesh.points().len();
         let mut solid = Self {
             points: mesh.points().to_vec(),
+            transfer: Vec::new(),
             tets: Vec::with_capacity(8 * mesh.tets().len()),
             tags: Vec::with_capacity(8 * mesh.tets().len()),
             sines: Vec::with_capacity(8 * mesh.tets().len()),
@@ -75,6 +81,7 @@ impl Solid {
             faces_at: vec![Vec::new(); count],
             creases: mesh.creases().iter().map(|c| (c.vertices, c.feature)).collect(),
             pinned: vec![false; count],
+            corners: vec![false; count],
             rest: TetMeshParts { points: Vec::new(), tets: Vec::new(), ..mesh.clone().into_parts() },
         };
         for (t, &tet) in mesh.tets().iter().enumerate() {
@@ -89,7 +96,15 @@ impl Solid {
         for v in mesh.creases().iter().flat_map(|c| c.vertices).chain(mesh.corners().iter().copied()) {
             solid.pinned[v as usize] = true;
         }
+        for &v in mesh.corners() {
+            solid.corners[v as usize] = true;
+        }
         solid
+    }
+
+    /// Takes the stencils of the vertices added so far.
+    pub(super) fn take_transfer(&mut self) -> Vec<Stencil> {
+        std::mem::take(&mut self.transfer)
     }
 
     /// Closes the mesh.
@@ -165,6 +180,21 @@ impl Solid {
         self.faces_at[v as usize].is_empty() && !self.pinned[v as usize]
     }
 
+    /// True if `v` is on a crease or a corner.
+    pub(super) fn is_pinned(&self, v: u32) -> bool {
+        self.pinned[v as usize]
+    }
+
+    /// True if `v` may never move.
+    pub(super) fn is_corner(&self, v: u32) -> bool {
+        self.corners[v as usize]
+    }
+
+    /// Boundary and interface faces at vertex `v`.
+    pub(super) fn faces_at(&self, v: u32) -> impl Iterator<Item = &Face> {
+        self.faces_at[v as usize].iter().map(|&f| &self.faces[f as usize])
+    }
+
     /// True if the edge is tagged as a crease.
     pub(super) fn is_crease(&self, edge: [u32; 2]) -> bool {
         self.creases.contains_key(&topology::sorted2(edge))
@@ -220,12 +250,14 @@ impl Solid {
 
     // ---- changing ----
 
-    /// Adds a vertex.
-    pub(super) fn add_point(&mut self, p: DVec3) -> u32 {
-        self.points.push(p);
+    /// Adds the vertex that a stencil says.
+    pub(super) fn add_vertex(&mut self, stencil: Stencil) -> u32 {
+        self.points.push(stencil.combine(|v| self.point(v)));
+        self.transfer.push(stencil);
         self.cells_at.push(Vec::new());
         self.faces_at.push(Vec::new());
         self.pinned.push(false);
+        self.corners.push(false);
         self.points.len() as u32 - 1
     }
 

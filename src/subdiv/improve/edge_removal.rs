@@ -12,50 +12,62 @@ use glam::DVec3;
 /// Rings longer than this are left alone: the dynamic program is cubic.
 const LONGEST_RING: usize = 32;
 
+/// What makes one filling better than another.
+pub(crate) enum Measure<'a> {
+    /// The worst sine is as large as possible, and above this.
+    BestWorst(f64),
+    /// The sum of a cost over the cells is as small as possible and below a bound, no sine below a floor.
+    LeastSum {
+        /// Cost and minimum sine of a cell of these vertices and positions; `None` if it is not positive.
+        cost: &'a dyn Fn([u32; 4], [DVec3; 4]) -> Option<(f64, f64)>,
+        /// Bound on the sum.
+        below: f64,
+        /// Floor under the sines.
+        floor: f64,
+    },
+}
+
 /// Work space of the dynamic program, kept between calls.
 #[derive(Default)]
 pub(crate) struct Filling {
     size: usize,
-    /// Best worst sine of the polygon from i to j, and the vertex that makes the triangle with its chord.
+    /// Best value of the polygon from i to j, and the vertex that makes the triangle with its chord.
     best: Vec<(f64, usize)>,
     triangles: Vec<[usize; 3]>,
 }
 
 impl Filling {
-    /// Finds the best filling of the ring of (a, b); true if there is one whose worst sine exceeds `floor`.
-    fn solve(&mut self, solid: &Solid, [a, b]: [u32; 2], link: &[u32], floor: f64) -> bool {
+    /// Finds the best filling of the ring of the edge; true if there is an admissible one.
+    ///
+    /// Values are to be made large: the worst sine of a polygon's cells, or minus the sum of their costs.
+    fn solve(&mut self, solid: &Solid, edge: [u32; 2], link: &[u32], measure: &Measure<'_>) -> bool {
         let n = link.len();
         if !(3..=LONGEST_RING).contains(&n) {
             return false;
         }
-        let (pa, pb) = (solid.point(a), solid.point(b));
-        let p: smallvec::SmallVec<[DVec3; LONGEST_RING]> = link.iter().map(|&v| solid.point(v)).collect();
+        let star = Star { solid, edge, link };
+        let (empty, bound) = match measure {
+            Measure::BestWorst(floor) => (f64::INFINITY, *floor),
+            Measure::LeastSum { below, .. } => (0.0, -below),
+        };
         self.size = n;
         self.best.clear();
-        self.best.resize(n * n, (f64::INFINITY, 0));
+        self.best.resize(n * n, (empty, 0));
         for span in 2..n {
             for i in 0..n - span {
                 let j = i + span;
-                let mut best = (floor, usize::MAX);
+                let mut best = (bound, usize::MAX);
                 for k in i + 1..j {
-                    let sides = self.best[i * n + k].0.min(self.best[k * n + j].0);
-                    if sides <= best.0 {
-                        continue;
-                    }
-                    let worst = sides.min(quality::min_sine([p[i], p[k], p[j], pb]));
-                    if worst <= best.0 {
-                        continue;
-                    }
-                    let worst = worst.min(quality::min_sine([p[i], p[j], p[k], pa]));
-                    if worst > best.0 {
-                        best = (worst, k);
+                    let sides = (self.best[i * n + k].0, self.best[k * n + j].0);
+                    if let Some(value) = star.triangle(measure, [i, k, j], sides, best.0) {
+                        best = (value, k);
                     }
                 }
-                // No filling above the floor: whatever contains this polygon has none either.
+                // No filling within the bound: whatever contains this polygon has none either.
                 self.best[i * n + j] = if best.1 == usize::MAX { (f64::NEG_INFINITY, 0) } else { best };
             }
         }
-        self.best[n - 1].0 > floor
+        self.best[n - 1].0 > bound
     }
 
     /// The triangles of the filling found, as positions in the link.
@@ -74,9 +86,51 @@ impl Filling {
     }
 }
 
-/// Removes the edge if a filling of its ring has a worst sine above `floor`. A boundary edge is replaced by the chord of
-/// its link; the caller has made sure that this is a change of the surface it wants. Returns whether it was done.
-pub(crate) fn remove_edge(solid: &mut Solid, edge: [u32; 2], ring: &Ring, floor: f64, filling: &mut Filling) -> bool {
+/// The cells that a filling may have.
+struct Star<'a> {
+    solid: &'a Solid,
+    edge: [u32; 2],
+    link: &'a [u32],
+}
+
+impl Star<'_> {
+    /// Value of the polygon made of a triangle and the polygons at its two sides, if it is above `best`.
+    fn triangle(&self, measure: &Measure<'_>, corners: [usize; 3], sides: (f64, f64), best: f64) -> Option<f64> {
+        let [a, b] = self.edge;
+        let [i, k, j] = corners.map(|c| self.link[c]);
+        let mut value = match measure {
+            Measure::BestWorst(_) => sides.0.min(sides.1),
+            Measure::LeastSum { .. } => sides.0 + sides.1,
+        };
+        for tet in [[i, k, j, b], [i, j, k, a]] {
+            if value <= best {
+                return None;
+            }
+            let points = tet.map(|v| self.solid.point(v));
+            match measure {
+                Measure::BestWorst(_) => value = value.min(quality::min_sine(points)),
+                Measure::LeastSum { cost, floor, .. } => {
+                    let (cost, sine) = cost(tet, points)?;
+                    if sine < *floor {
+                        return None;
+                    }
+                    value -= cost;
+                }
+            }
+        }
+        (value > best).then_some(value)
+    }
+}
+
+/// Removes the edge if its ring has an admissible filling without it. A boundary edge is replaced by the chord of its
+/// link; the caller has made sure that this is a change of the surface it wants. Returns whether it was done.
+pub(crate) fn remove_edge(
+    solid: &mut Solid,
+    edge: [u32; 2],
+    ring: &Ring,
+    measure: &Measure<'_>,
+    filling: &mut Filling,
+) -> bool {
     let [a, b] = edge;
     let link = &ring.vertices;
     let tag = solid.tag(ring.cells[0]);
@@ -86,7 +140,7 @@ pub(crate) fn remove_edge(solid: &mut Solid, edge: [u32; 2], ring: &Ring, floor:
     if !ring.closed && !chord_is_free(solid, edge, link) {
         return false;
     }
-    if !filling.solve(solid, edge, link, floor) {
+    if !filling.solve(solid, edge, link, measure) {
         return false;
     }
     let mut tag = tag;

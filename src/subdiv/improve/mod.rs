@@ -1,9 +1,13 @@
 //! Mesh improvement by the paper's operations: edge removal and vertex smoothing, in passes over what changed.
 
 mod edge_removal;
+pub(super) mod error;
+mod face_flip;
+mod freedom;
 mod smooth;
 
-pub(super) use edge_removal::{Filling, remove_edge};
+pub(super) use edge_removal::{Filling, Measure, remove_edge};
+pub(super) use face_flip::FaceFlip;
 
 use super::solid::{Ring, Solid};
 use crate::mesh::{quality, topology};
@@ -53,7 +57,7 @@ impl Improver {
         }
         let worst = solid.worst_sine(&ring.cells);
         // An improvement too small to matter would only keep the later passes busy.
-        remove_edge(solid, edge, &ring, worst.max(0.0) + 1e-3, &mut self.filling)
+        remove_edge(solid, edge, &ring, &Measure::BestWorst(worst.max(0.0) + 1e-3), &mut self.filling)
     }
 
     /// Smooths the interior vertices of changed cells; returns how many moved.
@@ -62,6 +66,22 @@ impl Improver {
         vertices.sort_unstable();
         vertices.dedup();
         vertices.into_iter().filter(|&v| solid.is_interior(v) && self.smoother.smooth(solid, v)).count()
+    }
+}
+
+/// True if an edge with a closed ring may be removed: it is no crease and lies in no surface.
+fn is_removable(solid: &Solid, edge: [u32; 2]) -> bool {
+    !solid.is_crease(edge) && !solid.is_surface_edge(edge)
+}
+
+/// The other vertices of a cell at `v`, in an order that makes (v, p, q, r) positive.
+fn rest_of(tet: [u32; 4], v: u32) -> [u32; 3] {
+    let [a, b, c, d] = tet;
+    match tet.iter().position(|&w| w == v) {
+        Some(0) => [b, c, d],
+        Some(1) => [a, d, c],
+        Some(2) => [a, b, d],
+        _ => [a, c, b],
     }
 }
 

@@ -101,13 +101,7 @@ impl Smoother {
                 continue;
             }
             let tet = solid.tet(t);
-            // Even reorderings that bring v to the front.
-            let rest = match tet.iter().position(|&w| w == v) {
-                Some(0) => [tet[1], tet[2], tet[3]],
-                Some(1) => [tet[0], tet[3], tet[2]],
-                Some(2) => [tet[0], tet[1], tet[3]],
-                _ => [tet[0], tet[2], tet[1]],
-            };
+            let rest = super::rest_of(tet, v);
             let candidates = sines_with_gradients(p, rest.map(|w| solid.point(w)));
             self.pieces.extend(candidates.into_iter().filter(|c| c.sine < worst + MARGIN));
         }

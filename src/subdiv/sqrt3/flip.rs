@@ -1,8 +1,8 @@
 //! 2-3 flips of old interior faces.
 
+use super::super::improve::FaceFlip;
 use super::super::solid::Solid;
 use super::{Flips, OldMesh};
-use crate::mesh::quality;
 
 /// A flip is valid if its cells have sines above this: positive, and not by rounding alone.
 pub(super) const VALID: f64 = 1e-3;
@@ -35,25 +35,10 @@ pub(super) fn retry_faces(solid: &mut Solid, flips: &mut Flips<3>) {
 /// Replaces the two cells at a face by three around the line between their far vertices, if the worst new sine exceeds
 /// `floor(worst old sine)`.
 fn flip_face(solid: &mut Solid, face: [u32; 3], floor: impl Fn(f64) -> f64) -> bool {
-    let cells = solid.cells_at_face(face);
-    let [t, u] = cells[..] else { return false };
-    let far = |cell: u32| solid.tet(cell).into_iter().find(|v| !face.contains(v));
-    let (Some(d), Some(e)) = (far(t), far(u)) else { return false };
-    let floor = floor(solid.sine(t).min(solid.sine(u)));
-    // The face as cell t sees it from inside: (a, b, c, d) is positive.
-    let [a, b, c] = face;
-    let positive = quality::volume([a, b, c, d].map(|v| solid.point(v))) > 0.0;
-    let [a, b, c] = if positive { [a, b, c] } else { [b, a, c] };
-    let children = [[a, b, e, d], [b, c, e, d], [c, a, e, d]];
-    if children.iter().any(|child| quality::min_sine(child.map(|v| solid.point(v))) <= floor) {
+    let Some(flip) = FaceFlip::of(solid, face) else { return false };
+    if flip.worst_sine(solid) <= floor(solid.worst_sine(&flip.cells)) {
         return false;
     }
-    let mut tag = solid.tag(t);
-    tag.level = tag.level.max(solid.tag(u).level);
-    solid.remove_cell(t);
-    solid.remove_cell(u);
-    for child in children {
-        solid.add_cell(child, tag);
-    }
+    flip.perform(solid);
     true
 }

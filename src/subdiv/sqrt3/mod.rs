@@ -11,7 +11,7 @@ mod surface;
 use super::improve::Improver;
 use super::options::{Boundary, Options};
 use super::solid::Solid;
-use super::{Info, Refined};
+use super::{Info, Refined, Stencil};
 use crate::mesh::{MeshError, TetMesh, topology};
 
 /// What one step leaves for the next: operations that wait for their other side, and the parity of creases. All lists
@@ -73,7 +73,8 @@ pub(super) fn refine(
         pending: history.pending_faces.len() + history.pending_edges.len(),
         worst_sine: solid.worst_sine_of_all(),
     };
-    Ok(Refined { mesh: solid.finish()?, history, info })
+    let transfer = solid.take_transfer();
+    Ok(Refined { mesh: solid.finish()?, transfer, history, info })
 }
 
 /// Flips of one kind: how many were done, which were refused, which lack a refined cell on one side.
@@ -141,9 +142,8 @@ impl<'a> OldMesh<'a> {
 fn split_cells(solid: &mut Solid, selected: &[bool]) {
     for t in (0..selected.len()).filter(|&t| selected[t]) {
         let t = t as u32;
-        let centre = solid.cell_points(t).into_iter().sum::<glam::DVec3>() / 4.0;
-        let m = solid.add_point(centre);
         let tet = solid.tet(t);
+        let m = solid.add_vertex(Stencil::mean(&tet));
         let child = |i: usize| {
             let mut child = tet;
             child[i] = m;

@@ -1,6 +1,7 @@
 //! The boundary: Kobbelt's sqrt(3) subdivision of its triangles with creases, or halved edges that keep it as it is.
 
-use super::super::improve::{Filling, Improver, remove_edge};
+use super::super::improve::{Filling, Improver, Measure, remove_edge};
+use super::super::Stencil;
 use super::super::solid::Solid;
 use super::flip::VALID;
 use super::{Flips, History, OldMesh};
@@ -23,7 +24,7 @@ pub(super) fn halve_edges(solid: &mut Solid, old: &OldMesh) -> Flips<2> {
     let length = |e: &[u32; 2]| (old.mesh.points()[e[0] as usize] - old.mesh.points()[e[1] as usize]).length_squared();
     edges.sort_by(|e, f| length(f).total_cmp(&length(e)).then(e.cmp(f)));
     for [a, b] in edges {
-        let m = solid.add_point(0.5 * (solid.point(a) + solid.point(b)));
+        let m = solid.add_vertex(Stencil::mean(&[a, b]));
         solid.divide_edge(a, b, &[m]);
     }
     Flips { done: 0, refused: Vec::new(), one_sided: Vec::new() }
@@ -38,8 +39,7 @@ pub(super) fn subdivide(solid: &mut Solid, old: &OldMesh, filling: &mut Filling)
         }
     }
     for &[a, b] in &old.listed {
-        let [p, q] = [a, b].map(|v| solid.point(v));
-        let inner = [p + (q - p) / 3.0, p + 2.0 * (q - p) / 3.0].map(|x| solid.add_point(x));
+        let inner = [1.0 / 3.0, 2.0 / 3.0].map(|share| solid.add_vertex(Stencil::between(a, b, share)));
         solid.divide_edge(a, b, &inner);
     }
     flip_edges(solid, old, filling)
@@ -48,9 +48,8 @@ pub(super) fn subdivide(solid: &mut Solid, old: &OldMesh, filling: &mut Filling)
 /// 1-3 split of a boundary face and its cell at the barycentre of the face.
 fn split_face(solid: &mut Solid, face: &Face) {
     let [a, b, c] = face.vertices;
-    let centre = face.vertices.iter().map(|&v| solid.point(v)).sum::<DVec3>() / 3.0;
     let Some(&cell) = solid.cells_at_face([a, b, c]).first() else { return };
-    let m = solid.add_point(centre);
+    let m = solid.add_vertex(Stencil::mean(&face.vertices));
     let tet = solid.tet(cell);
     let children = [a, b, c].map(|v| tet.map(|w| if w == v { m } else { w }));
     solid.split_cell(cell, children, false);
@@ -101,7 +100,7 @@ fn flip_edge(solid: &mut Solid, edge: [u32; 2], filling: &mut Filling, floor: im
         return false;
     }
     let floor = floor(solid.worst_sine(&ring.cells));
-    remove_edge(solid, edge, &ring, floor, filling)
+    remove_edge(solid, edge, &ring, &Measure::BestWorst(floor), filling)
 }
 
 /// Moves the boundary vertices whose faces were all refined to their positions under Kobbelt's rule, as far as the cells

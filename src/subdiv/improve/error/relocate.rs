@@ -1,0 +1,90 @@
+//! Vertex moves that lower the weighted cost of the cells around.
+
+use super::super::super::solid::Solid;
+use super::super::freedom::Freedom;
+use super::cost::cost_and_gradient;
+use glam::{DMat3, DVec3};
+
+/// A move must lower the cost of the cells around by this share.
+const GAIN: f64 = 1e-4;
+
+/// Cells at a vertex: the vertex itself first, the others in an order that keeps the cell positive, and a weight.
+struct Fan {
+    cells: Vec<([DVec3; 3], f64)>,
+}
+
+impl Fan {
+    fn new(solid: &Solid, weights: &[f64], v: u32) -> Self {
+        let cells = solid.cells_at(v).iter().map(|&t| {
+            let tet = solid.tet(t);
+            let rest = super::super::rest_of(tet, v);
+            (rest.map(|w| solid.point(w)), super::weight(weights, tet))
+        });
+        Self { cells: cells.collect() }
+    }
+
+    /// Weighted cost and gradient with the vertex at `p`; `None` if a cell is not positive.
+    fn evaluate(&self, p: DVec3) -> Option<(f64, DVec3)> {
+        let mut sum = (0.0, DVec3::ZERO);
+        for &([a, b, c], weight) in &self.cells {
+            let (value, gradient) = cost_and_gradient([p, a, b, c])?;
+            sum = (sum.0 + weight * value, sum.1 + weight * gradient);
+        }
+        Some(sum)
+    }
+}
+
+/// Moves vertex `v` by one damped Newton step within its freedom, if that lowers the cost and leaves no cell below
+/// `floor` that was not; returns whether it moved.
+pub(super) fn relocate(solid: &mut Solid, weights: &[f64], v: u32, floor: f64) -> bool {
+    let freedom = Freedom::of(solid, v);
+    if freedom == Freedom::Fixed {
+        return false;
+    }
+    let fan = Fan::new(solid, weights, v);
+    let start = solid.point(v);
+    let Some((cost, gradient)) = fan.evaluate(start) else { return false };
+    let gradient = freedom.project(gradient);
+    let scale = fan.cells.iter().map(|(c, _)| (c[0] - start).length_squared()).fold(f64::INFINITY, f64::min).sqrt();
+    let step = newton_step(&fan, start, gradient, scale, freedom);
+    let floor = floor.min(solid.worst_sine(solid.cells_at(v)));
+    for factor in [1.0, 0.5, 0.25] {
+        let p = start + factor * step;
+        let better = fan.evaluate(p).is_some_and(|(new, _)| new < (1.0 - GAIN) * cost);
+        if better && solid.worst_sine_with(v, p, floor) >= floor {
+            solid.move_point(v, p);
+            return true;
+        }
+    }
+    false
+}
+
+/// The Newton step with the Hessian from differences of the gradient, shifted until it is positive; at most `scale` long.
+fn newton_step(fan: &Fan, start: DVec3, gradient: DVec3, scale: f64, freedom: Freedom) -> DVec3 {
+    let h = 1e-4 * scale;
+    let column = |axis: DVec3| {
+        let direction = freedom.project(axis);
+        fan.evaluate(start + h * direction).map(|(_, g)| (freedom.project(g) - gradient) / h)
+    };
+    let steepest = -gradient.normalize_or_zero() * (0.1 * scale);
+    let (Some(a), Some(b), Some(c)) = (column(DVec3::X), column(DVec3::Y), column(DVec3::Z)) else { return steepest };
+    let hessian = DMat3::from_cols(a, b, c);
+    let hessian = (hessian + hessian.transpose()) * 0.5;
+    let trace = hessian.col(0).x + hessian.col(1).y + hessian.col(2).z;
+    // Directions that are not free have no curvature: any positive one will do, for the gradient has no part in them.
+    let fixed = freedom.complement() * trace.abs();
+    for shift in [0.0, 0.1, 0.5, 2.0] {
+        let shifted = hessian + fixed + DMat3::from_diagonal(DVec3::splat(shift * trace.abs()));
+        if is_positive(shifted) {
+            let step = freedom.project(-(shifted.inverse() * gradient));
+            return step.clamp_length_max(scale);
+        }
+    }
+    steepest
+}
+
+/// Sylvester's criterion.
+fn is_positive(m: DMat3) -> bool {
+    let minor = m.col(0).x * m.col(1).y - m.col(0).y * m.col(1).x;
+    m.col(0).x > 0.0 && minor > 0.0 && m.determinant() > 0.0
+}
