@@ -39,7 +39,10 @@ fn rust_files(folder: &Path) -> Vec<PathBuf> {
     let files = entries.into_iter().flat_map(|path| {
         if path.is_dir() { rust_files(&path) } else { vec![path] } // no symbolic links in src/
     });
-    files.filter(|path| path.extension().is_some_and(|e| e == "rs")).collect()
+    // Files of tests, like test modules, may look anywhere.
+    let is_test = |path: &Path| path.ends_with("tests.rs") || path.parent().is_some_and(|p| p.ends_with("tests"));
+    let is_code = |path: &PathBuf| path.extension().is_some_and(|e| e == "rs") && !is_test(path);
+    files.filter(is_code).collect()
 }
 
 /// The segments of a file's path below `src/`, without `.rs`.
@@ -50,8 +53,12 @@ fn segments(file: &Path) -> Vec<String> {
 
 /// Source text without comments and unit tests, line breaks kept.
 fn production_code(text: &str) -> String {
-    let lines = text.lines().take_while(|line| line.trim() != "#[cfg(test)]");
-    lines.map(|line| line.split("//").next().unwrap_or("").to_owned() + "\n").collect()
+    let lines: Vec<&str> = text.lines().collect();
+    // A test module ends the file; the declaration of one in a file of its own does not.
+    let opens_tests =
+        |i: &usize| lines[*i].trim() == "#[cfg(test)]" && !lines.get(i + 1).is_some_and(|l| l.ends_with(';'));
+    let end = (0..lines.len()).find(opens_tests).unwrap_or(lines.len());
+    lines[..end].iter().map(|line| line.split("//").next().unwrap_or("").to_owned() + "\n").collect()
 }
 
 /// Expands what follows `crate::` into full paths: `a::{b, c::d}` gives `a::b` and `a::c::d`.

@@ -228,12 +228,7 @@ fn refine(raw: Option<RawRefine>, warnings: &mut Vec<String>) -> Checked<Refine>
                     energies and errors of different steps do not compare exactly (\"fixed\" keeps the surface)";
         warnings.push(text.to_owned());
     }
-    Ok(Refine {
-        strategy,
-        steps,
-        options: Options { scheme, boundary, optimise },
-        stop,
-    })
+    Ok(Refine { strategy, steps, options: Options { scheme, boundary, optimise }, stop })
 }
 
 /// For analysis the objective is a small error; the paper's operations know only the angles.

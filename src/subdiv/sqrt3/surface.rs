@@ -1,7 +1,7 @@
 //! The boundary: Kobbelt's sqrt(3) subdivision of its triangles with creases, or halved edges that keep it as it is.
 
-use super::super::improve::{Filling, Improver, Measure, remove_edge};
 use super::super::Stencil;
+use super::super::improve::{Filling, Improver, Measure, remove_edge};
 use super::super::solid::Solid;
 use super::flip::VALID;
 use super::{Flips, History, OldMesh};

@@ -100,12 +100,8 @@ impl Shape {
 mod tests {
     use super::*;
 
-    const CELL: [DVec3; 4] = [
-        DVec3::new(-0.2, 0.1, 0.05),
-        DVec3::new(1.0, 0.1, 0.2),
-        DVec3::new(0.3, 1.1, -0.1),
-        DVec3::new(0.2, 0.4, 0.9),
-    ];
+    const CELL: [DVec3; 4] =
+        [DVec3::new(-0.2, 0.1, 0.05), DVec3::new(1.0, 0.1, 0.2), DVec3::new(0.3, 1.1, -0.1), DVec3::new(0.2, 0.4, 0.9)];
 
     /// Integral of |grad(q - I q)|^2 for q = x.H.x / 2 by a rule exact for quadratics.
     fn exact_error(x: [DVec3; 4], h: glam::DMat3) -> f64 {

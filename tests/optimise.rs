@@ -1,0 +1,102 @@
+//! The error-driven optimiser: what it keeps, what it lowers, how weights are carried over.
+#![allow(clippy::unwrap_used)]
+
+use proptest::prelude::*;
+use subsolid::mesh::{TetMesh, features, generate, quality};
+use subsolid::subdiv::options::{Options, Scheme};
+use subsolid::subdiv::{self, History};
+
+fn unit_box(n: usize) -> TetMesh {
+    features::with_creases(generate::box_tets([1.0; 3], [n; 3]).unwrap(), 40.0, &[])
+}
+
+/// A box of two regions that meet at x = 0.5, refined at the selected cells.
+fn refined(scheme: Scheme, regions: bool, selected: impl Fn(usize) -> bool) -> (TetMesh, Vec<subdiv::Stencil>) {
+    let mut parts = unit_box(2).into_parts();
+    if regions {
+        parts.region_names.push("right".to_owned());
+        for (t, tet) in parts.tets.iter().enumerate() {
+            let x = tet.iter().map(|&v| parts.points[v as usize].x).sum::<f64>() / 4.0;
+            parts.regions[t].0 = u16::from(x > 0.5);
+        }
+    }
+    let mesh = features::with_creases(TetMesh::new(parts).unwrap(), 40.0, &[]);
+    let selected: Vec<bool> = (0..mesh.tets().len()).map(selected).collect();
+    let options = Options { scheme, ..Options::default() };
+    let refined = subdiv::refine(&mesh, &History::default(), &selected, &options).unwrap();
+    (refined.mesh, refined.transfer)
+}
+
+fn weighted_cost(mesh: &TetMesh, weights: &[f64]) -> f64 {
+    let weight = |tet: &[u32; 4]| tet.iter().map(|&v| weights[v as usize]).sum::<f64>() / 4.0;
+    mesh.tets().iter().enumerate().map(|(t, tet)| weight(tet) * subdiv::cell_cost(mesh.cell_points(t))).sum()
+}
+
+fn measures(mesh: &TetMesh) -> Vec<f64> {
+    let area = |name: &String| {
+        let group = mesh.group(name).unwrap();
+        mesh.group_faces(group).map(|f| features::face_normal(mesh.points(), f.vertices).length()).sum::<f64>()
+    };
+    let region = |r: usize| {
+        let cells = (0..mesh.tets().len()).filter(|&t| mesh.regions()[t].0 as usize == r);
+        cells.map(|t| mesh.cell_volume(t)).sum::<f64>()
+    };
+    let mut all: Vec<f64> = mesh.groups().iter().map(area).collect();
+    all.extend((0..mesh.region_names().len()).map(region));
+    all.push(features::feature_count_and_length(mesh).1);
+    all
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(16))]
+
+    #[test]
+    fn the_cost_falls_and_the_solid_its_groups_regions_and_features_stay(
+        seed in 1_u64..1_000_000,
+        red in any::<bool>(),
+        regions in any::<bool>(),
+    ) {
+        let random = |i: u64| (i + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_mul(seed) >> 40;
+        let scheme = if red { Scheme::Red } else { Scheme::Sqrt3 };
+        let (mesh, _) = refined(scheme, regions, |t| red || random(t as u64) % 3 > 0);
+        let weights: Vec<f64> = (0..mesh.points().len()).map(|v| 1.0 + (random(v as u64) % 100) as f64).collect();
+        // TetMesh::new inside checks that all cells are positive and the boundary is complete.
+        let optimised = subdiv::optimise(&mesh, &weights, 3).unwrap();
+        prop_assert!(weighted_cost(&optimised, &weights) < weighted_cost(&mesh, &weights));
+        for (old, new) in measures(&mesh).into_iter().zip(measures(&optimised)) {
+            prop_assert!((old - new).abs() < 1e-12 * old, "{} {}", old, new);
+        }
+        let floor = quality::quality(&mesh).worst.min(14.99);
+        prop_assert!(quality::quality(&optimised).worst >= floor);
+    }
+}
+
+#[test]
+fn the_same_input_gives_the_same_mesh_and_weights_move_vertices_where_they_are_large() {
+    let (mesh, _) = refined(Scheme::Red, false, |_| true);
+    let weights: Vec<f64> = mesh.points().iter().map(|p| if p.x < 0.5 { 100.0 } else { 1.0 }).collect();
+    let (a, b) = (subdiv::optimise(&mesh, &weights, 3).unwrap(), subdiv::optimise(&mesh, &weights, 3).unwrap());
+    assert_eq!((a.tets(), a.points()), (b.tets(), b.points()));
+    let left = |m: &TetMesh| m.points().iter().map(|p| p.x).sum::<f64>();
+    assert!(left(&a) < left(&mesh), "vertices gather where the weights are large");
+}
+
+#[test]
+fn linear_fields_are_carried_over_exactly_and_wrong_lengths_are_refused() {
+    for scheme in [Scheme::Red, Scheme::Sqrt3] {
+        // Fixed boundary without optimised positions: new vertices lie where their stencils say.
+        let (mesh, transfer) = refined(scheme, false, |_| true);
+        let old = mesh.points().len() - transfer.len();
+        let field: Vec<f64> = (0..old).map(|v| 1.0 + v as f64).collect();
+        let carried = subdiv::carry_over(&field, &transfer);
+        assert_eq!(carried.len(), mesh.points().len());
+        assert_eq!(&carried[..old], &field[..]);
+        for (value, stencil) in carried[old..].iter().zip(&transfer) {
+            assert!((stencil.weights.iter().sum::<f64>() - 1.0).abs() < 1e-15);
+            let parents = stencil.vertices.map(|v| carried[v as usize]);
+            let (low, high) = parents.iter().fold((f64::MAX, f64::MIN), |(l, h), p| (l.min(*p), h.max(*p)));
+            assert!((low..=high).contains(value), "a mean lies between its parents");
+        }
+        assert!(subdiv::optimise(&mesh, &field, 1).is_err());
+    }
+}
