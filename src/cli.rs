@@ -122,6 +122,8 @@ pub enum SchemeName {
     Sqrt3,
     /// One cell into eight
     Red,
+    /// One cell into two at its longest edge
+    LongestEdge,
 }
 
 impl From<SchemeName> for Scheme {
@@ -129,6 +131,7 @@ impl From<SchemeName> for Scheme {
         match name {
             SchemeName::Sqrt3 => Self::Sqrt3,
             SchemeName::Red => Self::Red,
+            SchemeName::LongestEdge => Self::LongestEdge,
         }
     }
 }
@@ -140,6 +143,8 @@ pub enum BoundaryName {
     Fixed,
     /// The surface is smoothed between features
     Approximating,
+    /// The surface is rounded between features, through all its vertices
+    Interpolating,
 }
 
 impl From<BoundaryName> for Boundary {
@@ -147,6 +152,7 @@ impl From<BoundaryName> for Boundary {
         match name {
             BoundaryName::Fixed => Self::Fixed,
             BoundaryName::Approximating => Self::Approximating,
+            BoundaryName::Interpolating => Self::Interpolating,
         }
     }
 }
