@@ -247,11 +247,14 @@ mod tests {
             }
             let mut sizes: Vec<f64> = matrix.complex_eigenvalues().iter().map(|e| e.norm()).collect();
             sizes.sort_by(|a, b| b.total_cmp(a));
-            eprintln!("valence {n}: {:.6?}", &sizes[..12]);
             let tangent = (2.0 / 3.0 * (PI / f64::from(n)).cos()).powi(2);
             assert!((sizes[0] - 1.0).abs() < 1e-9, "valence {n}");
             assert!((sizes[1] - tangent).abs() < 1e-7 && (sizes[2] - tangent).abs() < 1e-7, "valence {n}: {sizes:?}");
             assert!(sizes[3] < 0.99 * tangent, "valence {n}: {sizes:?}");
+            if n > 4 && n != 6 {
+                let quadratic = &sizes[3..6];
+                assert!(quadratic.iter().all(|s| (s - tangent * tangent).abs() < 1e-6), "valence {n}: {sizes:?}");
+            }
         }
     }
 }

@@ -61,7 +61,7 @@ pub(super) fn refine(
         Boundary::Approximating => surface::approximating_targets(&old),
         Boundary::Interpolating => surface::interpolating_targets(&old, &centres),
     };
-    let rejected = surface::smooth(&mut solid, targets, &mut improver);
+    let rejected = surface::smooth(&mut solid, targets, &mut improver, options.optimise.passes.min(1));
     let now = solid.tick();
     flip::retry_faces(&mut solid, &mut faces);
     surface::retry_edges(&mut solid, &mut edges, &mut improver.filling);

@@ -111,16 +111,16 @@ fn flip_edge(solid: &mut Solid, edge: [u32; 2], filling: &mut Filling, floor: im
     remove_edge(solid, edge, &ring, floor, filling)
 }
 
-/// Moves boundary vertices to their targets, as far as the cells allow, improving the interior in between. Returns how
-/// many could not arrive.
-pub(super) fn smooth(solid: &mut Solid, mut targets: Targets, improver: &mut Improver) -> usize {
+/// Moves boundary vertices to their targets, as far as the cells allow, improving the interior in between by so many
+/// passes. Returns how many could not arrive.
+pub(super) fn smooth(solid: &mut Solid, mut targets: Targets, improver: &mut Improver, passes: usize) -> usize {
     for floor in MOVE_FLOORS {
         if targets.is_empty() {
             break;
         }
         let now = solid.tick();
         targets.retain(|&(v, target)| !move_towards(solid, v, target, floor));
-        improver.improve(solid, now, 1);
+        improver.improve(solid, now, passes);
     }
     targets.len()
 }
