@@ -51,28 +51,8 @@ pub enum Command {
         #[command(flatten)]
         scenario_options: ScenarioOptions,
     },
-    /// Refine all cells of a mesh and write it
-    Subdivide {
-        /// Mesh file
-        mesh: PathBuf,
-        /// Subdivision scheme
-        #[arg(long, value_enum, default_value_t = SchemeName::Sqrt3)]
-        scheme: SchemeName,
-        /// Refinement steps
-        #[arg(long, value_name = "N", default_value_t = 1, value_parser = value_parser!(u8).range(0..=20))]
-        steps: u8,
-        /// Boundary edges with a larger angle between the normals of their faces are features, in degrees
-        #[arg(long, value_name = "DEG", default_value = "40", value_parser = angle)]
-        feature_angle: f64,
-        /// What happens to the boundary surface
-        #[arg(long, value_enum, default_value_t = BoundaryName::Approximating)]
-        boundary: BoundaryName,
-        /// The file to write
-        #[arg(short, long, value_name = "OUT")]
-        output: PathBuf,
-        #[command(flatten)]
-        common: Common,
-    },
+    /// Refine a mesh, all of it or chosen cells, and write it
+    Subdivide(Subdivide),
     /// Print counts, groups, regions and quality of a mesh
     Inspect {
         /// Mesh file
@@ -88,6 +68,55 @@ pub enum Command {
         /// The shell
         shell: clap_complete::Shell,
     },
+}
+
+/// What `subdivide` is told.
+#[derive(Debug, Args)]
+pub struct Subdivide {
+    /// Mesh file
+    pub mesh: PathBuf,
+    /// Subdivision scheme
+    #[arg(long, value_enum, default_value_t = SchemeName::Sqrt3)]
+    pub scheme: SchemeName,
+    /// Refinement steps
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = value_parser!(u8).range(0..=20))]
+    pub steps: u8,
+    /// Cells to refine in each step: boundary (those with a boundary face), curvature (those where the boundary turns), or
+    /// a file of cell numbers from 0, one a line, of which all that they become is refined further [default: all]
+    #[arg(long, value_name = "CELLS", value_parser = cells)]
+    pub select: Option<CellsName>,
+    /// With --select curvature: edges that turn less are flat, in degrees
+    #[arg(long, value_name = "DEG", default_value = "5", value_parser = angle)]
+    pub curvature_angle: f64,
+    /// Boundary edges with a larger angle between the normals of their faces are features, in degrees
+    #[arg(long, value_name = "DEG", default_value = "40", value_parser = angle)]
+    pub feature_angle: f64,
+    /// Further feature edges: a file of two vertices (numbers from 0) a line
+    #[arg(long, value_name = "FILE")]
+    pub edges: Option<PathBuf>,
+    /// Vertices that stay where they are: a file of one number (from 0) a line
+    #[arg(long, value_name = "FILE")]
+    pub corners: Option<PathBuf>,
+    /// What scheme sqrt3 does to the boundary surface; the others keep it
+    #[arg(long, value_enum, default_value_t = BoundaryName::Approximating)]
+    pub boundary: BoundaryName,
+    /// The file to write
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// What all commands have
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// Cells to refine, as named on the command line.
+#[derive(Debug, Clone)]
+pub enum CellsName {
+    /// Those with a boundary face.
+    Boundary,
+    /// Those where the boundary turns.
+    Curvature,
+    /// Those in a file.
+    File(PathBuf),
 }
 
 /// Options of all commands that compute.
@@ -122,6 +151,8 @@ pub enum SchemeName {
     Sqrt3,
     /// One cell into eight
     Red,
+    /// One cell into two at its longest edge
+    LongestEdge,
 }
 
 impl From<SchemeName> for Scheme {
@@ -129,6 +160,7 @@ impl From<SchemeName> for Scheme {
         match name {
             SchemeName::Sqrt3 => Self::Sqrt3,
             SchemeName::Red => Self::Red,
+            SchemeName::LongestEdge => Self::LongestEdge,
         }
     }
 }
@@ -140,6 +172,8 @@ pub enum BoundaryName {
     Fixed,
     /// The surface is smoothed between features
     Approximating,
+    /// The surface is rounded between features, through all its vertices
+    Interpolating,
 }
 
 impl From<BoundaryName> for Boundary {
@@ -147,6 +181,7 @@ impl From<BoundaryName> for Boundary {
         match name {
             BoundaryName::Fixed => Self::Fixed,
             BoundaryName::Approximating => Self::Approximating,
+            BoundaryName::Interpolating => Self::Interpolating,
         }
     }
 }
@@ -154,4 +189,13 @@ impl From<BoundaryName> for Boundary {
 fn angle(text: &str) -> Result<f64, String> {
     let angle: f64 = text.parse().map_err(|_| "expected a number of degrees".to_owned())?;
     if (0.0..=180.0).contains(&angle) { Ok(angle) } else { Err("expected an angle from 0 to 180 degrees".to_owned()) }
+}
+
+fn cells(text: &str) -> Result<CellsName, String> {
+    Ok(match text {
+        "" => return Err("expected boundary, curvature or a file".to_owned()),
+        "boundary" => CellsName::Boundary,
+        "curvature" => CellsName::Curvature,
+        path => CellsName::File(path.into()),
+    })
 }

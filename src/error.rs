@@ -39,7 +39,7 @@ pub enum Error {
     Print(#[source] std::io::Error),
     /// A comparison with adaptive refinement needs a scheme that can refine some of the cells.
     #[error("scheme \"red\" refines all cells or none, so there is nothing adaptive to compare with")]
-    #[diagnostic(help("set refine.scheme = \"sqrt3\"; or use `run` for global red refinement"))]
+    #[diagnostic(help("set refine.scheme = \"sqrt3\" or \"longest-edge\"; or use `run` for global red refinement"))]
     NothingToCompare,
     /// All refinement steps are done and the error is still above what the scenario asks for.
     #[error("the estimated relative error is {reached:.4}, above the {asked} asked for")]

@@ -3,18 +3,19 @@
 mod cli;
 
 use clap::{CommandFactory as _, Parser as _};
-use cli::{Cli, Command, Common, ScenarioOptions};
+use cli::{CellsName, Cli, Command, Common, ScenarioOptions};
 use peak_alloc::PeakAlloc;
 use std::collections::BTreeSet;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use subsolid::Error;
+use subsolid::pipeline::choice::Cells;
 use subsolid::pipeline::inspect::{Inspection, inspect};
 use subsolid::pipeline::subdivide::{Subdivision, subdivide};
 use subsolid::pipeline::{MemoryProbe, RunOptions, check, compare, run};
 use subsolid::scenario::Scenario;
-use subsolid::subdiv::options::Options;
+use subsolid::subdiv::options::{Options, Scheme};
 
 #[global_allocator]
 static ALLOCATOR: PeakAlloc = PeakAlloc;
@@ -30,12 +31,9 @@ fn main() -> ExitCode {
         Command::Check { scenario, common, scenario_options } => {
             one(&scenario, &common, &scenario_options, check::check)
         }
-        Command::Subdivide { mesh, scheme, steps, feature_angle, boundary, output, common } => {
-            set_threads(&common);
-            let options = Options { scheme: scheme.into(), boundary: boundary.into(), ..Options::default() };
-            let Common { quiet, json, .. } = common;
-            let steps = steps.into();
-            finish(subdivide(&Subdivision { mesh, options, steps, feature_angle, output, quiet, json }).map(drop))
+        Command::Subdivide(arguments) => {
+            set_threads(&arguments.common);
+            finish(subdivide(&subdivision(arguments)).map(drop))
         }
         Command::Inspect { mesh, feature_angle, common } => {
             set_threads(&common);
@@ -44,6 +42,40 @@ fn main() -> ExitCode {
         }
         Command::Completions { shell } => completions(shell),
     }
+}
+
+/// What `subdivide` is told, in the library's words.
+fn subdivision(arguments: cli::Subdivide) -> Subdivision {
+    let cli::Subdivide { mesh, feature_angle, edges, corners, output, common: Common { quiet, json, .. }, .. } =
+        arguments;
+    let options =
+        Options { scheme: arguments.scheme.into(), boundary: arguments.boundary.into(), ..Options::default() };
+    let cells = match arguments.select {
+        None => Cells::All,
+        Some(_) if options.scheme == Scheme::Red => {
+            refuse("--scheme red refines all cells or none: use sqrt3 or longest-edge with --select")
+        }
+        Some(CellsName::Boundary) => Cells::Boundary,
+        Some(CellsName::Curvature) => Cells::Curvature { above: arguments.curvature_angle, below: feature_angle },
+        Some(CellsName::File(path)) => Cells::Listed(path),
+    };
+    Subdivision {
+        mesh,
+        options,
+        steps: arguments.steps.into(),
+        cells,
+        feature_angle,
+        edges,
+        corners,
+        output,
+        quiet,
+        json,
+    }
+}
+
+/// Ends with a usage error.
+fn refuse(message: &str) -> ! {
+    Cli::command().error(clap::error::ErrorKind::ArgumentConflict, message).exit()
 }
 
 /// Runs all scenarios, whether or not one fails; the code is that of the first failure.
@@ -69,13 +101,12 @@ fn run_all(scenarios: &[PathBuf], common: &Common, options: &ScenarioOptions) ->
 
 /// Ends with a usage error if several scenarios would write the same files.
 fn refuse_shared_files(scenarios: &[PathBuf], common: &Common) {
-    let refuse = |message: String| Cli::command().error(clap::error::ErrorKind::ArgumentConflict, message).exit();
     if common.json.is_some() {
-        refuse("--json names one file: run one scenario at a time with it".to_owned());
+        refuse("--json names one file: run one scenario at a time with it");
     }
     let mut names = BTreeSet::new();
     if let Some(twin) = scenarios.iter().find(|s| !names.insert(s.file_stem())) {
-        refuse(format!("two scenarios are called {}: their results would share a folder", twin.display()));
+        refuse(&format!("two scenarios are called {}: their results would share a folder", twin.display()));
     }
 }
 

@@ -81,6 +81,76 @@ fn help_version_and_completions_are_on_standard_output() {
     }
 }
 
+/// A folder with a tetrahedron and lists of its cells, edges and vertices, good and bad.
+fn tetrahedron() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in [
+        (
+            "one.msh",
+            "MESH dimension 3 ElemType Tetrahedra Nnode 4\nCoordinates\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n\
+             End Coordinates\nElements\n1 1 2 3 4\nEnd Elements\n",
+        ),
+        ("cells.txt", "0\n"),
+        ("no-cell.txt", "0\n\n1\n"),
+        ("empty.txt", "\n"),
+        ("word.txt", "0\nall\n"),
+        ("edges.txt", "2 1\n"),
+        ("no-edge.txt", "0 1\n0 4\n"),
+        ("corners.txt", "3\n"),
+        ("no-corner.txt", "4\n"),
+    ] {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    folder
+}
+
+#[test]
+fn subdivide_refines_what_is_chosen() {
+    let folder = tetrahedron();
+    for (arguments, words) in [
+        (&["--scheme", "longest-edge", "--select", "cells.txt", "--steps", "3"][..], "8 cells, 10 nodes"),
+        (&["--scheme", "longest-edge", "--select", "boundary"], "2 cells, 5 nodes"),
+        (&["--scheme", "longest-edge", "--select", "curvature"], "1 cells, 4 nodes, 6 feature edges"),
+        (
+            &["--scheme", "longest-edge", "--select", "curvature", "--feature-angle", "180"],
+            "2 cells, 5 nodes, 0 feature",
+        ),
+        (&["--scheme", "red", "--edges", "edges.txt", "--feature-angle", "180"], "8 cells, 10 nodes, 2 feature edges"),
+        (&["--boundary", "interpolating", "--corners", "corners.txt"], "nodes, 6 feature edges"),
+    ] {
+        let command = [&["subdivide", "one.msh", "-o", "out.vtu"], arguments].concat();
+        let (status, stdout, stderr) = subsolid(folder.path(), &command);
+        assert!(status == Some(0) && stdout.contains(words), "{arguments:?}\n{stdout}\n{stderr}");
+    }
+}
+
+#[test]
+fn lists_that_do_not_fit_the_mesh_are_refused_with_their_line() {
+    let folder = tetrahedron();
+    let before = std::fs::read_dir(folder.path()).unwrap().count();
+    for (arguments, code, word) in [
+        (["--select", "no-cell.txt"], 4, "no-cell.txt:3: cell 1 does not exist"),
+        (["--select", "empty.txt"], 4, "empty.txt:1"),
+        (["--select", "word.txt"], 4, "word.txt:2: column 1"),
+        (["--select", "absent.txt"], 4, "absent.txt"),
+        (["--select", "edges.txt"], 4, "edges.txt:1: unexpected"),
+        (["--edges", "no-edge.txt"], 4, "no-edge.txt:2: [0, 4] is not an edge"),
+        (["--edges", "cells.txt"], 4, "cells.txt:1: expected"),
+        (["--corners", "no-corner.txt"], 4, "no-corner.txt:1: vertex 4"),
+        (["--select", ""], 2, "--select"),
+        (["--scheme", "green"], 2, "longest-edge"),
+    ] {
+        let command = [&["subdivide", "one.msh", "-o", "out.vtu"][..], &arguments].concat();
+        let (status, stdout, stderr) = subsolid(folder.path(), &command);
+        assert_eq!(status, Some(code), "{arguments:?}\n{stderr}");
+        assert!(stdout.is_empty() && stderr.contains(word), "{arguments:?}\n{stderr}");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), before, "{arguments:?}");
+    }
+    let red = ["subdivide", "one.msh", "-o", "out.vtu", "--scheme", "red", "--select", "cells.txt"];
+    let (status, _, stderr) = subsolid(folder.path(), &red);
+    assert!(status == Some(2) && stderr.contains("--select"), "{stderr}");
+}
+
 #[cfg(unix)]
 #[test]
 fn a_closed_pipe_is_no_failure() {

@@ -182,7 +182,7 @@ fn what_the_format_reserves_is_refused_with_what_to_use() {
         ("[solver]\nmethod = \"amg-cg\"", "\"cg\""),
         ("[analysis]\nelement = \"tet10\"", "\"tet4\""),
         ("[refine.optimise]\nmode = \"best\"", "\"paper\""),
-        ("[refine]\nboundary = \"interpolating\"", "\"fixed\""),
+        ("[refine]\nboundary = \"fixed-trisection\"", "\"fixed\""),
         ("[quantities.tip]", "quantities"),
         ("[mesh]\nfile = \"a\"\nmidside = \"curved\"", "\"straight\""),
         ("[mesh.box]\nsize = [1, 1, 1]\ncells = [1, 1, 1]\nelement = \"hex\"", "\"tet\""),
@@ -378,6 +378,16 @@ fn red_refinement_is_not_adaptive() {
     let fault = refuse(&with("[refine]\nstrategy = \"adaptive\""), &["refine.scheme=red"]);
     assert_eq!(fault.key, "refine.scheme");
     assert!(help(&fault).contains("refine.strategy = \"global\""));
+}
+
+#[test]
+fn longest_edge_bisection_is_adaptive_unless_told_otherwise() {
+    let s = accept(BASE, &["refine.scheme=longest-edge", "refine.boundary=interpolating"]);
+    assert_eq!((s.refine.strategy, s.refine.options.scheme), (Strategy::Adaptive, Scheme::LongestEdge));
+    assert!(!s.warnings.iter().any(|w| w.contains("boundary")), "bisection keeps the surface whatever the rule");
+    let s = accept(BASE, &["refine.scheme=sqrt3", "refine.boundary=interpolating"]);
+    assert_eq!(s.refine.options.boundary, Boundary::Interpolating);
+    assert!(s.warnings.iter().any(|w| w.contains("\"interpolating\" moves the surface")));
 }
 
 #[test]

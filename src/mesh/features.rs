@@ -37,8 +37,9 @@ pub fn boundary_edges(faces: &[Face]) -> Vec<([u32; 2], Vec<usize>)> {
     uses.chunk_by(|a, b| a.0 == b.0).map(|same| (same[0].0, same.iter().map(|u| u.1).collect())).collect()
 }
 
-/// Angle in degrees between the outward normals of two faces.
-fn angle_between(mesh: &TetMesh, f: usize, g: usize) -> f64 {
+/// Angle in degrees between the outward normals of two faces, given by their indices in `mesh.faces()`.
+#[must_use]
+pub fn angle_between(mesh: &TetMesh, f: usize, g: usize) -> f64 {
     let [m, n] = [f, g].map(|i| face_normal(mesh.points(), mesh.faces()[i].vertices));
     m.cross(n).length().atan2(m.dot(n)).to_degrees()
 }

@@ -2,6 +2,7 @@
 
 mod analyse;
 pub mod check;
+pub mod choice;
 pub mod compare;
 mod hints;
 pub mod inspect;

@@ -1,8 +1,9 @@
-//! `subsolid subdivide`: refine all cells of a mesh and write it.
+//! `subsolid subdivide`: refine a mesh, all of it or chosen cells, and write it.
 
+use super::choice::{Cells, with_features};
 use super::print;
 use crate::error::Error;
-use crate::mesh::{features, read};
+use crate::mesh::read;
 use crate::output::options::Compression;
 use crate::output::progress::Progress;
 use crate::output::report::{MeshReport, write_json};
@@ -19,10 +20,16 @@ pub struct Subdivision {
     pub mesh: PathBuf,
     /// Scheme, boundary rule, passes.
     pub options: Options,
-    /// Refinement steps of all cells.
+    /// Refinement steps.
     pub steps: usize,
+    /// Which cells are refined.
+    pub cells: Cells,
     /// Feature angle in degrees.
     pub feature_angle: f64,
+    /// File of further feature edges.
+    pub edges: Option<PathBuf>,
+    /// File of vertices that stay where they are.
+    pub corners: Option<PathBuf>,
     /// The file to write.
     pub output: PathBuf,
     /// Print errors only.
@@ -31,20 +38,23 @@ pub struct Subdivision {
     pub json: Option<PathBuf>,
 }
 
-/// Refines all cells `steps` times and writes the mesh as VTK.
+/// Refines the chosen cells `steps` times and writes the mesh as VTK.
 ///
 /// # Errors
-/// [`Error::Mesh`] if the mesh cannot be read or refined, [`Error::Output`] if the result cannot be written.
+/// [`Error::Mesh`] if the mesh or a list cannot be read or the mesh not be refined, [`Error::Output`] if the result cannot
+/// be written.
 pub fn subdivide(command: &Subdivision) -> Result<MeshReport, Error> {
     let file = read::read(&command.mesh)?;
-    let mut mesh = features::with_creases(file.mesh, command.feature_angle, &[]);
+    let (edges, corners) = (command.edges.as_deref(), command.corners.as_deref());
+    let mut mesh = with_features(file.mesh, command.feature_angle, edges, corners)?;
     let mut history = History::default();
     let progress = Progress::new(command.quiet);
     let clock = Instant::now();
     for step in 1..=command.steps {
-        let _phase = progress.phase(format!("step {step}: refine {} cells", mesh.tets().len()));
-        let all = vec![true; mesh.tets().len()];
-        let refined = subdiv::refine(&mesh, &history, &all, &command.options)?;
+        let chosen = command.cells.choose(&mesh, step)?;
+        let count = chosen.iter().filter(|c| **c).count();
+        let _phase = progress.phase(format!("step {step}: refine {count} of {} cells", chosen.len()));
+        let refined = subdiv::refine(&mesh, &history, &chosen, &command.options)?;
         (mesh, history) = (refined.mesh, refined.history);
     }
     let report = MeshReport::of(&mesh, clock.elapsed().as_secs_f64());

@@ -211,22 +211,25 @@ fn refine(raw: Option<RawRefine>, warnings: &mut Vec<String>) -> Checked<Refine>
     let default = match scheme {
         _ if absent => Strategy::None,
         Scheme::Red => Strategy::Global,
-        Scheme::Sqrt3 => Strategy::Adaptive,
+        Scheme::Sqrt3 | Scheme::LongestEdge => Strategy::Adaptive,
     };
     let strategy = raw.strategy.as_ref().map_or(default, |s| *s.get_ref());
     if let (Scheme::Red, Strategy::Adaptive, Some(written)) = (scheme, strategy, &raw.scheme) {
         return Err(Fault::new(written.span(), "is \"red\", which refines all cells or none", "not adaptive")
-            .help("set refine.strategy = \"global\", or refine.scheme = \"sqrt3\""));
+            .help("set refine.strategy = \"global\", or refine.scheme = \"sqrt3\" or \"longest-edge\""));
     }
     // A stop rule ends the run where it is met; without one, a single step is the modest choice.
     let default_steps = if stop == Stop::default() { 1 } else { MAX_STEPS as usize };
     let steps = raw.steps.map(|n| integer(&n, 0..=MAX_STEPS)).transpose()?.unwrap_or(default_steps);
     let optimise = optimise(&raw.optimise.map(|t| t.value).unwrap_or_default())?;
     let boundary = raw.boundary.unwrap_or(Boundary::Fixed);
-    if boundary == Boundary::Approximating && strategy != Strategy::None && scheme == Scheme::Sqrt3 {
-        let text = "refine.boundary = \"approximating\" moves the surface: each step solves another domain, so that \
-                    energies and errors of different steps do not compare exactly (\"fixed\" keeps the surface)";
-        warnings.push(text.to_owned());
+    if let (Some(name), Scheme::Sqrt3) = (moving(boundary), scheme)
+        && strategy != Strategy::None
+    {
+        warnings.push(format!(
+            "refine.boundary = \"{name}\" moves the surface: each step solves another domain, so that energies and errors \
+             of different steps do not compare exactly (\"fixed\" keeps the surface)"
+        ));
     }
     Ok(Refine { strategy, steps, options: Options { scheme, boundary, optimise }, stop })
 }
@@ -236,6 +239,15 @@ fn optimise(raw: &RawOptimise) -> Checked<Optimise> {
     let passes = raw.passes.as_ref().map(|n| integer(n, 1..=100)).transpose()?.unwrap_or(3);
     let mode = raw.mode.unwrap_or(Mode::Best);
     Ok(Optimise { mode, objective: raw.objective.unwrap_or(Objective::Error), passes })
+}
+
+/// The name of a boundary rule that moves the surface.
+fn moving(boundary: Boundary) -> Option<&'static str> {
+    match boundary {
+        Boundary::Fixed => None,
+        Boundary::Approximating => Some("approximating"),
+        Boundary::Interpolating => Some("interpolating"),
+    }
 }
 
 fn stop(raw: &RawStop) -> Checked<Stop> {

@@ -20,7 +20,7 @@ const RESERVED_KEYS: [&str; 12] = [
 ];
 
 /// Values that the format reserves likewise, each with what to use today.
-const RESERVED_VALUES: [(&str, &str); 15] = [
+const RESERVED_VALUES: [(&str, &str); 13] = [
     ("curved", "straight"),
     ("hex", "tet"),
     ("tet10", "tet4"),
@@ -32,9 +32,7 @@ const RESERVED_VALUES: [(&str, &str); 15] = [
     ("amg-cg", "cg"),
     ("best", "paper"),
     ("error", "quality"),
-    ("interpolating", "fixed"),
     ("fixed-trisection", "fixed"),
-    ("longest-edge", "red"),
     ("normal", "x"),
 ];
 

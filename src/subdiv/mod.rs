@@ -1,6 +1,7 @@
 //! Subdivision: a mesh and a selection of its cells in, a finer mesh out. Knows no physics.
 
 mod improve;
+mod longest_edge;
 pub mod options;
 mod red;
 mod solid;
@@ -100,6 +101,7 @@ pub fn refine(mesh: &TetMesh, history: &History, selected: &[bool], options: &Op
     }
     match options.scheme {
         Scheme::Red => red::refine(mesh, selected),
+        Scheme::LongestEdge => longest_edge::refine(mesh, selected),
         Scheme::Sqrt3 => sqrt3::refine(mesh, history, selected, options),
     }
 }

@@ -10,9 +10,12 @@ pub enum Scheme {
     Sqrt3,
     /// One cell into eight, the inner octahedron cut along its shortest diagonal; all cells at once.
     Red,
+    /// Longest-edge bisection, Rivara and Levin 1992: a step cuts each selected cell in two at its longest edge, and the
+    /// cells that must be cut with it. Of all cells it makes twice as many on a regular mesh, and more on others.
+    LongestEdge,
 }
 
-/// What happens to the boundary surface (scheme sqrt(3) only; red refinement always keeps it).
+/// What happens to the boundary surface (scheme sqrt(3) only; the others always keep it).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Boundary {
@@ -20,6 +23,9 @@ pub enum Boundary {
     Fixed,
     /// The surface is smoothed by Kobbelt's rule for triangular sqrt(3) subdivision; creases and corners stay.
     Approximating,
+    /// The surface is refined smoothly through all its vertices by the rule of Labsik and Greiner 2000; creases and corners
+    /// stay.
+    Interpolating,
 }
 
 /// With which operations a refined mesh is optimised.

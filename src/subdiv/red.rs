@@ -10,7 +10,7 @@ use glam::DVec3;
 /// [`MeshError::Inconsistent`] if not every cell is selected: red refinement alone has no closure.
 pub(super) fn refine(mesh: &TetMesh, selected: &[bool]) -> Result<Refined, MeshError> {
     if selected.iter().any(|s| !s) {
-        let message = "red refinement refines all cells or none: use strategy \"global\", or scheme \"sqrt3\"";
+        let message = "red refinement refines all cells or none: use strategy \"global\", or another scheme";
         return Err(MeshError::Inconsistent(message.to_owned()));
     }
     let edges = topology::edges(mesh.tets());

@@ -304,6 +304,12 @@ impl Solid {
         }
     }
 
+    /// Raises the level of a cell by one.
+    pub(super) fn deepen(&mut self, t: u32) {
+        let level = &mut self.tags[t as usize].level;
+        *level = level.saturating_add(1);
+    }
+
     /// Adds a surface face.
     pub(super) fn add_face(&mut self, face: Face) {
         let slot = if let Some(slot) = self.free_faces.pop() {

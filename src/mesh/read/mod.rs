@@ -9,8 +9,11 @@ mod gmsh;
 mod gmsh2;
 mod gmsh4;
 mod lines;
+mod list;
 #[cfg(test)]
 mod tests;
+
+pub use list::read_list;
 
 use super::{MeshError, TetMesh};
 use glam::DVec3;

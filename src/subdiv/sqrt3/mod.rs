@@ -6,6 +6,7 @@
 
 mod closure;
 mod flip;
+mod interpolate;
 mod surface;
 
 use super::improve::Improver;
@@ -29,16 +30,16 @@ pub struct History {
 /// Refines the selected cells.
 ///
 /// # Errors
-/// [`MeshError::Generator`] for an approximating boundary on a mesh of several regions: the surfaces between them have
-/// no smooth rule yet.
+/// [`MeshError::Generator`] for a smooth boundary (approximating or interpolating) on a mesh of several regions: the
+/// surfaces between them have no smooth rule yet.
 pub(super) fn refine(
     mesh: &TetMesh,
     history: &History,
     selected: &[bool],
     options: &Options,
 ) -> Result<Refined, MeshError> {
-    if options.boundary == Boundary::Approximating && mesh.region_names().len() > 1 {
-        let message = "boundary \"approximating\" has no rule for the surfaces between regions: use \"fixed\"";
+    if options.boundary != Boundary::Fixed && mesh.region_names().len() > 1 {
+        let message = "smooth boundaries have no rule for the surfaces between regions: use boundary \"fixed\"";
         return Err(MeshError::Generator(message.to_owned()));
     }
     let asked = selected.iter().filter(|s| **s).count();
@@ -50,15 +51,17 @@ pub(super) fn refine(
 
     split_cells(&mut solid, &selected);
     let mut faces = flip::flip_faces(&mut solid, &old);
-    let mut edges = match options.boundary {
-        Boundary::Fixed => surface::halve_edges(&mut solid, &old),
-        Boundary::Approximating => surface::subdivide(&mut solid, &old, &mut improver.filling),
+    let (mut edges, centres) = match options.boundary {
+        Boundary::Fixed => (surface::halve_edges(&mut solid, &old), Vec::new()),
+        _ => surface::subdivide(&mut solid, &old, &mut improver.filling),
     };
     improver.improve(&mut solid, start, options.optimise.passes);
-    let mut rejected = 0;
-    if options.boundary == Boundary::Approximating {
-        rejected += surface::smooth(&mut solid, &old, &mut improver);
-    }
+    let targets = match options.boundary {
+        Boundary::Fixed => Vec::new(),
+        Boundary::Approximating => surface::approximating_targets(&old),
+        Boundary::Interpolating => surface::interpolating_targets(&old, &centres),
+    };
+    let rejected = surface::smooth(&mut solid, targets, &mut improver, options.optimise.passes.min(1));
     let now = solid.tick();
     flip::retry_faces(&mut solid, &mut faces);
     surface::retry_edges(&mut solid, &mut edges, &mut improver.filling);

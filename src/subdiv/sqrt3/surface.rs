@@ -1,10 +1,11 @@
-//! The boundary: Kobbelt's sqrt(3) subdivision of its triangles with creases, or halved edges that keep it as it is.
+//! The boundary: sqrt(3) subdivision of its triangles with creases, by Kobbelt's rule or by that of Labsik and Greiner, or
+//! halved edges that keep it as it is.
 
 use super::super::Stencil;
 use super::super::improve::{Filling, Improver, Measure, remove_edge};
 use super::super::solid::Solid;
 use super::flip::VALID;
-use super::{Flips, History, OldMesh};
+use super::{Flips, History, OldMesh, interpolate};
 use crate::mesh::{Face, features, topology};
 use glam::DVec3;
 
@@ -30,25 +31,30 @@ pub(super) fn halve_edges(solid: &mut Solid, old: &OldMesh) -> Flips<2> {
     Flips { done: 0, refused: Vec::new(), one_sided: Vec::new() }
 }
 
-/// Boundary `approximating`, topology: 1-3 splits of the boundary faces of refined cells, trisection of the listed
-/// creases, flips of the old boundary edges.
-pub(super) fn subdivide(solid: &mut Solid, old: &OldMesh, filling: &mut Filling) -> Flips<2> {
-    for face in refined_faces(old) {
+/// Vertices with the positions they should have.
+pub(super) type Targets = Vec<(u32, DVec3)>;
+
+/// Boundary `approximating` and `interpolating`, topology: 1-3 splits of the boundary faces of refined cells, trisection
+/// of the listed creases, flips of the old boundary edges. Gives the flips and the centres of the old faces, each with
+/// the index of its face.
+pub(super) fn subdivide(solid: &mut Solid, old: &OldMesh, filling: &mut Filling) -> (Flips<2>, Vec<(u32, usize)>) {
+    let mut centres = Vec::new();
+    for (i, face) in old.mesh.faces().iter().enumerate().filter(|(i, _)| old.refined[*i]) {
         if !face_edges(face.vertices).iter().any(|&e| old.is_listed(e)) {
-            split_face(solid, face);
+            centres.extend(split_face(solid, face).map(|m| (m, i)));
         }
     }
     for &[a, b] in &old.listed {
         let inner = [1.0 / 3.0, 2.0 / 3.0].map(|share| solid.add_vertex(Stencil::between(a, b, share)));
         solid.divide_edge(a, b, &inner);
     }
-    flip_edges(solid, old, filling)
+    (flip_edges(solid, old, filling), centres)
 }
 
-/// 1-3 split of a boundary face and its cell at the barycentre of the face.
-fn split_face(solid: &mut Solid, face: &Face) {
+/// 1-3 split of a boundary face and its cell at the barycentre of the face, the new vertex.
+fn split_face(solid: &mut Solid, face: &Face) -> Option<u32> {
     let [a, b, c] = face.vertices;
-    let Some(&cell) = solid.cells_at_face([a, b, c]).first() else { return };
+    let cell = *solid.cells_at_face([a, b, c]).first()?;
     let m = solid.add_vertex(Stencil::mean(&face.vertices));
     let tet = solid.tet(cell);
     let children = [a, b, c].map(|v| tet.map(|w| if w == v { m } else { w }));
@@ -57,6 +63,7 @@ fn split_face(solid: &mut Solid, face: &Face) {
     for v in [a, b, c] {
         solid.add_face(Face { vertices: face.vertices.map(|w| if w == v { m } else { w }), ..*face });
     }
+    Some(m)
 }
 
 /// Flips the old boundary edges, creases apart, both of whose faces are refined.
@@ -103,17 +110,16 @@ fn flip_edge(solid: &mut Solid, edge: [u32; 2], filling: &mut Filling, floor: im
     remove_edge(solid, edge, &ring, &Measure::BestWorst(floor), filling)
 }
 
-/// Moves the boundary vertices whose faces were all refined to their positions under Kobbelt's rule, as far as the cells
-/// allow, improving the interior in between. Returns how many could not arrive.
-pub(super) fn smooth(solid: &mut Solid, old: &OldMesh, improver: &mut Improver) -> usize {
-    let mut targets = targets(old);
+/// Moves boundary vertices to their targets, as far as the cells allow, improving the interior in between by so many
+/// passes. Returns how many could not arrive.
+pub(super) fn smooth(solid: &mut Solid, mut targets: Targets, improver: &mut Improver, passes: usize) -> usize {
     for floor in MOVE_FLOORS {
-        let now = solid.tick();
-        targets.retain(|&(v, target)| !move_towards(solid, v, target, floor));
-        improver.improve(solid, now, 1);
         if targets.is_empty() {
             break;
         }
+        let now = solid.tick();
+        targets.retain(|&(v, target)| !move_towards(solid, v, target, floor));
+        improver.improve(solid, now, passes);
     }
     targets.len()
 }
@@ -134,9 +140,15 @@ fn move_towards(solid: &mut Solid, v: u32, target: DVec3, floor: f64) -> bool {
     false
 }
 
+/// The rule of Labsik and Greiner for the centres of old faces.
+pub(super) fn interpolating_targets(old: &OldMesh, centres: &[(u32, usize)]) -> Targets {
+    let points = interpolate::face_points(old.mesh);
+    centres.iter().map(|&(v, face)| (v, points[face])).collect()
+}
+
 /// Kobbelt's rule for the smooth boundary vertices all of whose faces are refined, on the old positions:
 /// `(1 - beta_n) v + beta_n mean(neighbours)` with `beta_n = (4 - 2 cos(2 pi / n)) / 9` (Kobbelt 2000).
-fn targets(old: &OldMesh) -> Vec<(u32, DVec3)> {
+pub(super) fn approximating_targets(old: &OldMesh) -> Targets {
     let mesh = old.mesh;
     let mut sums = vec![(DVec3::ZERO, 0_usize); mesh.points().len()];
     let mut moves = vec![true; mesh.points().len()];
