@@ -194,7 +194,8 @@ fn text(table: Table) -> String {
 }
 
 /// An integer with its thousands apart.
-pub(super) fn count(n: usize) -> String {
+#[must_use]
+pub fn count(n: usize) -> String {
     let digits = n.to_string();
     let groups: Vec<&str> =
         digits.as_bytes().rchunks(3).rev().filter_map(|group| std::str::from_utf8(group).ok()).collect();
@@ -216,7 +217,9 @@ pub(super) fn figures(x: f64, digits: usize) -> String {
     }
 }
 
-fn percent(x: f64) -> String {
+/// A fraction in percent, with three significant figures.
+#[must_use]
+pub fn percent(x: f64) -> String {
     figures(100.0 * x, 3)
 }
 

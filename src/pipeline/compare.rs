@@ -1,7 +1,8 @@
 //! `subsolid compare`: the same scenario refined globally and adaptively, and what adaptivity saved.
 
+use super::doubts::ending;
 use super::results::{Results, write_text};
-use super::run::{missed_tolerance, plot_curves, prepare};
+use super::run::{missed_tolerance, plot_curves, prepare, warnings};
 use super::simulate::{Plan, simulate};
 use super::{RunOptions, print, resolve::Resolved};
 use crate::error::Error;
@@ -42,7 +43,13 @@ pub fn compare(scenario: &Scenario, options: &RunOptions, repeat: usize) -> Resu
         write_json(path, &comparison)?;
     }
     if !options.quiet {
-        print(&format!("{text}\nresults in {}\n", folder.display()))?;
+        let mut doubts = warnings("global, ", &global) + &warnings("adaptive, ", &adaptive);
+        for (name, strategy, report) in
+            [("global", Strategy::Global, &global), ("adaptive", Strategy::Adaptive, &adaptive)]
+        {
+            doubts += &format!("{name}: {}\n", ending(scenario, strategy, report));
+        }
+        print(&format!("{text}\n{doubts}results in {}\n", folder.display()))?;
     }
     missed_tolerance(scenario, &adaptive).map_or(Ok(()), Err)
 }

@@ -3,6 +3,7 @@
 mod analyse;
 pub mod check;
 pub mod compare;
+mod doubts;
 mod hints;
 pub mod inspect;
 pub mod load;

@@ -1,5 +1,6 @@
 //! `subsolid run`: one scenario from its file to its results.
 
+use super::doubts::ending;
 use super::resolve::{Resolved, resolve};
 use super::results::Results;
 use super::simulate::{Plan, simulate};
@@ -37,7 +38,9 @@ pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<Report, Error> {
     }
     if !options.quiet {
         let folder = options.folder(scenario);
-        print(&format!("{}\nresults in {}\n", table::steps(&report.steps), folder.display()))?;
+        let text = table::steps(&report.steps);
+        let ending = ending(scenario, plan.strategy, &report);
+        print(&format!("{text}\n{}{ending}\nresults in {}\n", warnings("", &report), folder.display()))?;
     }
     match missed_tolerance(scenario, &report) {
         Some(error) => Err(error),
@@ -56,6 +59,11 @@ pub(super) fn prepare(scenario: &Scenario, options: &RunOptions) -> Result<Resol
         print(&format!("{}\n{}", scenario.title, remarks.chain(warnings).collect::<String>()))?;
     }
     Ok(problem)
+}
+
+/// The warnings of a run, a line each; `run` names it where there are several.
+pub(super) fn warnings(run: &str, report: &Report) -> String {
+    report.warnings.iter().map(|w| format!("warning: {run}{w}\n")).collect()
 }
 
 /// Plots the relative error against dofs and against seconds.
