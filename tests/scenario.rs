@@ -149,7 +149,7 @@ fn every_key_is_read() {
     assert_eq!(s.loads.iter().map(|l| l.name.as_str()).collect::<Vec<_>>(), ["f", "p", "w"]);
     let stop =
         Stop { relative_error: Some(0.05), max_cells: Some(100_000), max_memory: Some(2 << 30), seconds: Some(60.0) };
-    assert_eq!((s.refine.stop, s.refine.steps, s.refine.options.passes), (stop, 4, 2));
+    assert_eq!((s.refine.stop, s.refine.steps, s.refine.options.optimise.passes), (stop, 4, 2));
     assert_eq!((s.refine.options.boundary, s.refine.strategy), (Boundary::Approximating, Strategy::Global));
     assert_eq!((s.adapt.marking, s.adapt.grow), (Marking::Fraction(0.1), 1));
     assert_eq!(s.published.unwrap().steps[0].cells, 2799);

@@ -27,7 +27,8 @@ pub struct Report {
     pub warnings: Vec<String>,
     /// One record a solve; step 0 is the input mesh.
     pub steps: Vec<StepRecord>,
-    /// Wall time of the run.
+    /// Wall time of the run, writing included; within a comparison that of the first pass, though the seconds of the steps
+    /// are medians over all.
     pub seconds_total: f64,
     /// Most memory held at a time since the run began.
     pub peak_memory_bytes: u64,
@@ -177,6 +178,14 @@ pub struct PhaseSeconds {
     pub write: f64,
     /// The whole step.
     pub total: f64,
+}
+
+impl PhaseSeconds {
+    /// The phases that compute: all but writing.
+    #[must_use]
+    pub fn computing(&self) -> f64 {
+        self.refine + self.assemble + self.solve + self.estimate + self.mark
+    }
 }
 
 /// A named quantity and its estimated error.

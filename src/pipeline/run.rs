@@ -71,7 +71,7 @@ pub(super) fn plot_curves(folder: &Path, runs: &[(&str, &Report)]) -> Result<(),
     let curve = |(name, report): &(&str, &Report), axis: Axis| {
         let mut spent = 0.0;
         let points = report.steps.iter().map(|s| {
-            spent += s.seconds.total - s.seconds.write;
+            spent += s.seconds.computing();
             (if axis == Axis::Dofs { s.free_dofs as f64 } else { spent }, s.error.relative)
         });
         ((*name).to_owned(), points.collect())

@@ -162,7 +162,7 @@ fn select(
 
 /// The record of a finished step; `unit` is the largest error of a cell at step 0.
 fn record(step: &Step<'_>, problem: &Resolved, mut seconds: PhaseSeconds, unit: f64) -> StepRecord {
-    seconds.total = seconds.refine + seconds.assemble + seconds.solve + seconds.estimate + seconds.mark + seconds.write;
+    seconds.total = seconds.computing() + seconds.write;
     let selected = step.selected.iter().filter(|s| **s).count();
     StepRecord { step: step.index, selected, seconds, ..step.analysed.record(step.mesh, problem, unit) }
 }

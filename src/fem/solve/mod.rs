@@ -146,7 +146,7 @@ impl<'a> Problem<'a> {
         let sizes: Vec<DVec3> =
             (0..u.len()).into_par_iter().with_min_len(super::block_matrix::CHUNK).map(terms).collect();
         let attainable = ROUNDING_UNITS * f64::EPSILON * norm(&sizes) / self.scale;
-        residual <= attainable.min(LARGEST_ROUNDING)
+        !self.tolerance.is_nan() && residual <= attainable.min(LARGEST_ROUNDING)
     }
 }
 
