@@ -34,7 +34,8 @@ pub enum Command {
     Compare {
         /// Scenario file (TOML)
         scenario: PathBuf,
-        /// Repetitions of short runs; times are medians over them
+        /// Repetitions of short runs; times are medians over them. Steps below 50 ms are repeated at least nine times,
+        /// unless this is 1
         #[arg(long, value_name = "N", default_value_t = 3, value_parser = value_parser!(u16).range(1..))]
         repeat: u16,
         #[command(flatten)]

@@ -4,6 +4,7 @@ use crate::adapt::AdaptError;
 use crate::fem::FemError;
 use crate::mesh::MeshError;
 use crate::output::OutputError;
+use crate::output::table::percent;
 use crate::pipeline::ModelError;
 use crate::scenario::ScenarioError;
 
@@ -42,7 +43,7 @@ pub enum Error {
     #[diagnostic(help("set refine.scheme = \"sqrt3\" or \"longest-edge\"; or use `run` for global red refinement"))]
     NothingToCompare,
     /// All refinement steps are done and the error is still above what the scenario asks for.
-    #[error("the estimated relative error is {reached:.4}, above the {asked} asked for")]
+    #[error("{}, {} % was asked for", reached_text(*reached), percent(*asked))]
     #[diagnostic(help("allow more: refine.steps, or the limits of [refine.stop]"))]
     ToleranceNotReached {
         /// `refine.stop.relative_error`.
@@ -50,6 +51,13 @@ pub enum Error {
         /// What the last step reached.
         reached: f64,
     },
+}
+
+fn reached_text(reached: f64) -> String {
+    if reached.is_nan() {
+        return "the relative error cannot be estimated".to_owned();
+    }
+    format!("the estimated relative error is {} %", percent(reached))
 }
 
 impl Error {

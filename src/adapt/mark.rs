@@ -3,12 +3,15 @@
 use super::options::Marking;
 use super::{AdaptError, CellErrors};
 
-/// Selects cells by their estimated errors, one entry a cell.
+/// Selects cells by their estimated errors, one entry a cell; and those whose error is not known, as their children's
+/// will be.
 ///
 /// # Errors
 /// As [`mark_values`].
 pub fn mark(errors: &CellErrors, marking: Marking) -> Result<Vec<bool>, AdaptError> {
-    mark_values(&errors.squared, marking)
+    let mut selected = mark_values(&errors.squared, marking)?;
+    errors.unestimated.iter().for_each(|&t| selected[t as usize] = true);
+    Ok(selected)
 }
 
 /// Selects cells by squared errors eta_K^2. A cell without error is never selected.

@@ -69,6 +69,16 @@ pub enum FemError {
         /// One sentence for each part that can move.
         motions: Vec<String>,
     },
+    /// Numbers that overflow, or are lost in underflow.
+    #[error("the {what} leaves the range of double precision (about 1e-154 to 1e154 where squares are taken)")]
+    #[diagnostic(help(
+        "a load, a prescribed displacement, a material constant or the size of the mesh is far too large or too small: \
+         choose units in which they are of ordinary size"
+    ))]
+    OutOfRange {
+        /// "stiffness matrix", "right-hand side" or "solution".
+        what: &'static str,
+    },
     /// The stiffness matrix is not positive definite.
     #[error("the stiffness matrix is not positive definite ({detail})")]
     #[diagnostic(help("a part can still move, or cells are nearly flat: check the supports and the mesh quality"))]
@@ -115,7 +125,8 @@ impl FemError {
             | Self::NotFinite { .. }
             | Self::ConflictingSupports { .. }
             | Self::FreeMotion { .. } => true,
-            Self::NotPositiveDefinite { .. }
+            Self::OutOfRange { .. }
+            | Self::NotPositiveDefinite { .. }
             | Self::NotConverged { .. }
             | Self::OutOfMemory { .. }
             | Self::Ordering(_) => false,

@@ -178,3 +178,74 @@ fn error_driven_optimisation_pays_in_true_error_at_equal_unknowns() {
     assert!(paper > red, "the published operations lose to red refinement: {paper} {red}");
     assert!(optimised < 0.85 * red, "{optimised} {red}");
 }
+
+/// A bar along x, clamped at x-min and pulled down at x-max; its solution.
+fn bent_bar(size: [f64; 3], cells: [usize; 3], method: Method) -> (System, Solved) {
+    let mesh = box_tets(size, cells).unwrap();
+    let supports =
+        vec![Support { name: "clamp".to_owned(), group: mesh.group("x-min").unwrap(), displacement: [Some(0.0); 3] }];
+    let force = LoadKind::Force(mesh.group("x-max").unwrap(), DVec3::new(0.0, 0.0, -1e-3));
+    let loads = vec![Load { name: "tip".to_owned(), kind: force }];
+    let materials = vec![Material { youngs_modulus: 1000.0, poissons_ratio: 0.3, density: 0.0 }];
+    let system = assemble(&mesh, &Model { materials, supports, loads }).unwrap();
+    let solved = solve(&system, &SolverOptions { method, ..SolverOptions::default() }).unwrap();
+    (system, solved)
+}
+
+/// On slender bars `|K||u|` is so much larger than `|b|` that no solution in double precision has a residual of 1e-8.
+/// Both methods end at that limit, say so, and agree; they balance the load, and obey Clapeyron and the upper bound of
+/// beam theory on the energy, which grows under refinement.
+#[test]
+fn slender_bars_are_solved_to_the_limit_of_double_precision() {
+    let beam = |[length, width, height]: [f64; 3]| {
+        let (bending, shear) = (1000.0 * width * height.powi(3) / 12.0, 1000.0 / 2.6 * width * height / 1.2);
+        1e-6 * (length.powi(3) / (6.0 * bending) + length / (2.0 * shear))
+    };
+    for (size, cells) in [
+        ([100.0, 1.0, 1.0], &[[200, 1, 1], [200, 2, 2]][..]),
+        ([200.0, 1.0, 1.0], &[[400, 2, 2]]),
+        ([8.0, 0.1, 0.1], &[[160, 2, 2], [160, 2, 8]]),
+    ] {
+        let mut coarser = 0.0;
+        for &cells in cells {
+            let energies = [Method::Direct, Method::Cg, Method::Auto].map(|method| {
+                let (system, solved) = bent_bar(size, cells, method);
+                let SolverInfo { residual, reason, .. } = &solved.info;
+                assert_eq!(*residual > 1e-8, reason.contains("limit of double precision"), "{residual} {reason}");
+                assert!(*residual < 1e-5, "{residual}");
+                let [work, twice] = [&system.loads, &system.stiffness.times(&solved.displacement)]
+                    .map(|f| block_matrix::dot(f, &solved.displacement));
+                assert!((work - twice).abs() < 1e-6 * work, "{method:?} {cells:?}: {work} {twice}");
+                0.5 * work
+            });
+            assert!(energies.iter().all(|e| (e - energies[0]).abs() < 1e-6 * energies[0]), "{cells:?} {energies:?}");
+            assert!(energies[0] > coarser && energies[0] < beam(size), "{cells:?} {energies:?} {}", beam(size));
+            coarser = energies[0];
+        }
+    }
+}
+
+#[test]
+fn a_free_solid_is_never_taken_for_solved() {
+    let mesh = box_tets([1.0; 3], [4; 3]).unwrap();
+    let force = LoadKind::Force(mesh.group("x-max").unwrap(), DVec3::new(0.3, -0.2, 1.0));
+    let loads = vec![Load { name: "push".to_owned(), kind: force }];
+    let system = assemble(&mesh, &Model { materials: vec![SOFT], supports: vec![], loads }).unwrap();
+    for method in [Method::Direct, Method::Cg, Method::Auto] {
+        let solved = solve(&system, &SolverOptions { method, ..SolverOptions::default() });
+        assert!(solved.is_err(), "{method:?}: {:?}", solved.map(|s| s.info));
+    }
+}
+
+#[test]
+fn numbers_out_of_range_are_told_from_a_singular_matrix() {
+    let (mut system, _) = bent_bar([2.0, 1.0, 1.0], [4, 2, 2], Method::Direct);
+    for size in [1e200, 1e-200, f64::INFINITY] {
+        system.loads.iter_mut().for_each(|f| *f = DVec3::splat(size));
+        let error = solve(&system, &SolverOptions::default()).unwrap_err();
+        assert!(matches!(error, FemError::OutOfRange { what: "right-hand side" }), "{size}: {error}");
+    }
+    system.stiffness.blocks[0].x_axis.x = f64::INFINITY;
+    let error = solve(&system, &SolverOptions::default()).unwrap_err();
+    assert!(matches!(error, FemError::OutOfRange { .. }), "{error}");
+}

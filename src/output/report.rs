@@ -23,9 +23,12 @@ pub struct Report {
     pub threads: usize,
     /// Why the run ended.
     pub stop_reason: StopReason,
+    /// What in the results deserves doubt, in whole sentences.
+    pub warnings: Vec<String>,
     /// One record a solve; step 0 is the input mesh.
     pub steps: Vec<StepRecord>,
-    /// Wall time of the run.
+    /// Wall time of the run, writing included; within a comparison that of the first pass, though the seconds of the steps
+    /// are medians over all.
     pub seconds_total: f64,
     /// Most memory held at a time since the run began.
     pub peak_memory_bytes: u64,
@@ -41,7 +44,7 @@ pub const PROGRAM: &str = concat!("subsolid ", env!("CARGO_PKG_VERSION"));
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StopReason {
-    /// All steps asked for were made.
+    /// All steps asked for were made; or marking selected no cell, as a warning says.
     Steps,
     /// The estimated relative error is small enough.
     RelativeError,
@@ -53,7 +56,7 @@ pub enum StopReason {
     MaxMemory,
     /// The time is up.
     Seconds,
-    /// No cell has an error to refine for.
+    /// The estimated relative error is rounding: there is nothing to refine for.
     Exact,
     /// The user interrupted.
     Interrupted,
@@ -175,6 +178,14 @@ pub struct PhaseSeconds {
     pub write: f64,
     /// The whole step.
     pub total: f64,
+}
+
+impl PhaseSeconds {
+    /// The phases that compute: all but writing.
+    #[must_use]
+    pub fn computing(&self) -> f64 {
+        self.refine + self.assemble + self.solve + self.estimate + self.mark
+    }
 }
 
 /// A named quantity and its estimated error.
@@ -306,6 +317,7 @@ pub(super) mod tests {
             scenario: "tripod.toml".to_owned(),
             threads: 2,
             stop_reason: StopReason::RelativeError,
+            warnings: Vec::new(),
             steps,
             seconds_total: 1.0,
             peak_memory_bytes: 1 << 24,
@@ -329,7 +341,7 @@ pub(super) mod tests {
         record.quantities.push(("tip".to_owned(), QuantityRecord { value: 1.0, error: 0.1 }));
         let json = serde_json::to_value(report(vec![record])).unwrap();
         let promised = [
-            ("", "schema program scenario threads stop_reason steps seconds_total peak_memory_bytes"),
+            ("", "schema program scenario threads stop_reason warnings steps seconds_total peak_memory_bytes"),
             (
                 "/steps/0",
                 "step cells nodes edges boundary_faces dofs free_dofs feature_edges feature_length volume selected \

@@ -106,7 +106,8 @@ fn meshes(rows: &[(String, &StepRecord)]) -> Table {
 }
 
 fn equal_steps(global: &Report, adaptive: &Report, ratios: &Ratios) -> Table {
-    let mut table = table("step|cells|dofs|assemble\n+ solve|refine +\nassemble + solve|whole\nstep|strain\nenergy");
+    let mut table =
+        table("step|cells|dofs|assemble\n+ solve|refine +\nassemble + solve|all but\nwriting|strain\nenergy");
     for (ratio, (g, a)) in ratios.equal_step.iter().zip(global.steps.iter().zip(&adaptive.steps)) {
         table.add_row([
             ratio.step.to_string(),
@@ -136,7 +137,7 @@ fn equal_error(e: &EqualError) -> String {
     let [cells, dofs, seconds] = [e.cells, e.dofs, e.seconds].map(|r| r.map_or("-".to_owned(), |r| figures(r, 3)));
     format!(
         "Global over adaptive at equal {} relative error ({} %)\n\
-         cells {cells}, dofs {dofs}, seconds from the start {seconds} (log-log between steps)",
+         cells {cells}, dofs {dofs}, seconds of computing from the start {seconds} (log-log between steps)",
         e.error_source,
         percent(error)
     )
@@ -194,7 +195,8 @@ fn text(table: Table) -> String {
 }
 
 /// An integer with its thousands apart.
-pub(super) fn count(n: usize) -> String {
+#[must_use]
+pub fn count(n: usize) -> String {
     let digits = n.to_string();
     let groups: Vec<&str> =
         digits.as_bytes().rchunks(3).rev().filter_map(|group| std::str::from_utf8(group).ok()).collect();
@@ -216,7 +218,9 @@ pub(super) fn figures(x: f64, digits: usize) -> String {
     }
 }
 
-fn percent(x: f64) -> String {
+/// A fraction in percent, with three significant figures.
+#[must_use]
+pub fn percent(x: f64) -> String {
     figures(100.0 * x, 3)
 }
 

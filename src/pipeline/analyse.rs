@@ -48,9 +48,11 @@ impl Analysed {
         self.errors.relative(self.solution.strain_energy)
     }
 
-    /// Largest estimated error of a cell, in the energy norm.
+    /// Largest estimated error of a cell, in the energy norm; NaN if no cell has an estimate other than zero and some have
+    /// none.
     pub(super) fn largest_error(&self) -> f64 {
-        self.errors.squared.iter().copied().fold(0.0, f64::max).sqrt()
+        let largest = self.errors.squared.iter().copied().fold(0.0, f64::max).sqrt();
+        if largest == 0.0 && !self.errors.unestimated.is_empty() { f64::NAN } else { largest }
     }
 
     /// What is recorded of it; `unit` is the largest error of a cell at step 0.
@@ -82,7 +84,7 @@ impl Analysed {
     fn error_record(&self, unit: f64) -> ErrorRecord {
         let squared = &self.errors.squared;
         // Where nothing has an error, the normalised error is zero too.
-        let mean = |sum: f64, unit: f64| if unit > 0.0 { sum / squared.len() as f64 / unit } else { 0.0 };
+        let mean = |sum: f64, unit: f64| if unit == 0.0 { 0.0 } else { sum / squared.len() as f64 / unit };
         ErrorRecord {
             energy: self.errors.energy(),
             relative: self.relative_error(),

@@ -1,7 +1,8 @@
 //! `subsolid compare`: the same scenario refined globally and adaptively, and what adaptivity saved.
 
+use super::doubts::ending;
 use super::results::{Results, write_text};
-use super::run::{missed_tolerance, plot_curves, prepare};
+use super::run::{missed_tolerance, plot_curves, prepare, warnings};
 use super::simulate::{Plan, simulate};
 use super::{RunOptions, print, resolve::Resolved};
 use crate::error::Error;
@@ -15,8 +16,15 @@ use crate::subdiv::options::Scheme;
 /// A pass over both strategies that takes longer than this is not repeated.
 const SHORT_SECONDS: f64 = 30.0;
 
+/// Below this mean of a step's computing seconds, three passes are not enough against the noise of the clock.
+const VERY_SHORT_STEP: f64 = 0.05;
+
+/// Passes over runs of such steps.
+const MANY_PASSES: usize = 9;
+
 /// Runs a scenario globally and adaptively from the same input mesh under the same stop rules, and writes both results
-/// and the comparison. Where the whole is short, the phases are medians over `repeat` passes.
+/// and the comparison. Where the whole is short, the phases are medians over `repeat` passes, or over nine if
+/// steps are very short and `repeat` is not 1.
 ///
 /// # Errors
 /// [`Error`] with its exit code, as [`super::run::run`]; the tolerance is asked of the adaptive run.
@@ -29,8 +37,10 @@ pub fn compare(scenario: &Scenario, options: &RunOptions, repeat: usize) -> Resu
     let mut global = first_pass(scenario, options, &problem, Strategy::Global, "global")?;
     let mut adaptive = first_pass(scenario, options, &problem, Strategy::Adaptive, "adaptive")?;
     if global.seconds_total + adaptive.seconds_total < SHORT_SECONDS {
-        take_medians(&mut global, &passes(scenario, options, &problem, Strategy::Global, repeat)?);
-        take_medians(&mut adaptive, &passes(scenario, options, &problem, Strategy::Adaptive, repeat)?);
+        for (report, strategy) in [(&mut global, Strategy::Global), (&mut adaptive, Strategy::Adaptive)] {
+            let count = pass_count(report, repeat);
+            take_medians(report, &passes(scenario, options, &problem, strategy, count)?);
+        }
     }
     let ratios = ratios(&global, &adaptive);
     let text = table::comparison(&global, &adaptive, &ratios, scenario.published.as_ref());
@@ -42,7 +52,13 @@ pub fn compare(scenario: &Scenario, options: &RunOptions, repeat: usize) -> Resu
         write_json(path, &comparison)?;
     }
     if !options.quiet {
-        print(&format!("{text}\nresults in {}\n", folder.display()))?;
+        let mut doubts = warnings("global, ", &global) + &warnings("adaptive, ", &adaptive);
+        for (name, strategy, report) in
+            [("global", Strategy::Global, &global), ("adaptive", Strategy::Adaptive, &adaptive)]
+        {
+            doubts += &format!("{name}: {}\n", ending(scenario, strategy, report));
+        }
+        print(&format!("{text}\n{doubts}results in {}\n", folder.display()))?;
     }
     missed_tolerance(scenario, &adaptive).map_or(Ok(()), Err)
 }
@@ -59,6 +75,13 @@ fn first_pass(
     let report = simulate(problem, &plan(scenario, options, strategy), &mut |step| results.step(step))?;
     results.finish(&report)?;
     Ok(report)
+}
+
+/// How often a run is made, from its first pass.
+fn pass_count(first: &Report, asked: usize) -> usize {
+    let spent: f64 = first.steps.iter().map(|s| s.seconds.computing()).sum();
+    let very_short = spent < VERY_SHORT_STEP * first.steps.len() as f64;
+    if asked > 1 && very_short { asked.max(MANY_PASSES) } else { asked }
 }
 
 /// The other passes, which only take the time.
@@ -89,6 +112,6 @@ fn take_medians(report: &mut Report, others: &[Report]) {
             *phase(&mut step.seconds) = values[values.len() / 2];
         }
         let s = &mut step.seconds;
-        s.total = s.refine + s.assemble + s.solve + s.estimate + s.mark + s.write;
+        s.total = s.computing() + s.write;
     }
 }

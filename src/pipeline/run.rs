@@ -1,5 +1,6 @@
 //! `subsolid run`: one scenario from its file to its results.
 
+use super::doubts::ending;
 use super::resolve::{Resolved, resolve};
 use super::results::Results;
 use super::simulate::{Plan, simulate};
@@ -37,7 +38,9 @@ pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<Report, Error> {
     }
     if !options.quiet {
         let folder = options.folder(scenario);
-        print(&format!("{}\nresults in {}\n", table::steps(&report.steps), folder.display()))?;
+        let text = table::steps(&report.steps);
+        let ending = ending(scenario, plan.strategy, &report);
+        print(&format!("{text}\n{}{ending}\nresults in {}\n", warnings("", &report), folder.display()))?;
     }
     match missed_tolerance(scenario, &report) {
         Some(error) => Err(error),
@@ -58,12 +61,17 @@ pub(super) fn prepare(scenario: &Scenario, options: &RunOptions) -> Result<Resol
     Ok(problem)
 }
 
+/// The warnings of a run, a line each; `run` names it where there are several.
+pub(super) fn warnings(run: &str, report: &Report) -> String {
+    report.warnings.iter().map(|w| format!("warning: {run}{w}\n")).collect()
+}
+
 /// Plots the relative error against dofs and against seconds.
 pub(super) fn plot_curves(folder: &Path, runs: &[(&str, &Report)]) -> Result<(), Error> {
     let curve = |(name, report): &(&str, &Report), axis: Axis| {
         let mut spent = 0.0;
         let points = report.steps.iter().map(|s| {
-            spent += s.seconds.total - s.seconds.write;
+            spent += s.seconds.computing();
             (if axis == Axis::Dofs { s.free_dofs as f64 } else { spent }, s.error.relative)
         });
         ((*name).to_owned(), points.collect())

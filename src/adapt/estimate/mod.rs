@@ -26,21 +26,29 @@ pub struct CellErrors {
     /// Recovered stress at each vertex; where regions meet, the mean of theirs weighted by their volumes around it. For
     /// output. Zero at a vertex without cells.
     pub nodal_stress: Vec<SymTensor>,
+    /// Cells, ascending, that share no vertex with another cell of their region: there is no stress to compare theirs
+    /// with, so their error is not known. Their entry of `squared` is zero.
+    pub unestimated: Vec<u32>,
 }
 
 impl CellErrors {
-    /// eta = sqrt(sum eta_K^2), the estimated error in the energy norm sqrt(a(e, e)).
+    /// eta = sqrt(sum eta_K^2), the estimated error in the energy norm sqrt(a(e, e)); NaN where the error of a cell is not
+    /// known.
     #[must_use]
     pub fn energy(&self) -> f64 {
+        if !self.unestimated.is_empty() {
+            return f64::NAN;
+        }
         self.squared.iter().sum::<f64>().sqrt()
     }
 
-    /// eta / sqrt(2 U + eta^2) with the strain energy U = u.K.u / 2 of the solution; 0 where nothing is strained.
+    /// eta / sqrt(2 U + eta^2) with the strain energy U = u.K.u / 2 of the solution; 0 where nothing is strained, NaN
+    /// where the error of a cell is not known.
     #[must_use]
     pub fn relative(&self, strain_energy: f64) -> f64 {
         let eta = self.energy();
         let whole = (2.0 * strain_energy + eta * eta).sqrt();
-        if whole > 0.0 { eta / whole } else { 0.0 }
+        if whole == 0.0 { 0.0 } else { eta / whole }
     }
 }
 
@@ -54,20 +62,27 @@ pub fn estimate(mesh: &TetMesh, materials: &[Material], stress: &[SymTensor], es
     let field = Field { mesh, stress, volumes: &volumes };
     let recovered: Vec<SymTensor> = (0..patches.len())
         .into_par_iter()
-        .map(|p| match estimator {
-            Estimator::Spr => spr::recover(&field, patches.vertex(p), patches.cells(p)),
-            Estimator::Averaging => averaging::recover(&field, patches.cells(p)),
+        .map(|p| {
+            let cells = patches.to_recover_from(p);
+            match estimator {
+                Estimator::Spr => spr::recover(&field, patches.vertex(p), &cells),
+                Estimator::Averaging => averaging::recover(&field, &cells),
+            }
         })
         .collect();
     let squared = (0..stress.len())
         .into_par_iter()
         .map(|t| {
+            if patches.is_isolated(t) {
+                return 0.0;
+            }
             let material = &materials[mesh.regions()[t].0 as usize];
             let differences = patches.of_cell(t).map(|p| minus(&recovered[p as usize], &stress[t]));
             squared_error(material, volumes[t], &differences)
         })
         .collect();
-    CellErrors { squared, nodal_stress: nodal_stress(&field, &patches, &recovered) }
+    let unestimated = (0..stress.len()).filter(|&t| patches.is_isolated(t)).map(|t| t as u32).collect();
+    CellErrors { squared, nodal_stress: nodal_stress(&field, &patches, &recovered), unestimated }
 }
 
 /// A stress that is constant on each cell.

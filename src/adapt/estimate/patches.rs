@@ -1,6 +1,7 @@
 //! Patches: the cells of one region around one vertex.
 
 use crate::mesh::{TetMesh, topology::VertexCells};
+use std::borrow::Cow;
 
 /// All patches of a mesh, ordered by vertex and region.
 pub(super) struct Patches {
@@ -61,5 +62,22 @@ impl Patches {
     /// The patch at each vertex of cell `t`, of its own region.
     pub(super) fn of_cell(&self, t: usize) -> [u32; 4] {
         self.of_cell[t]
+    }
+
+    /// The cells that the stress at the vertex of a patch is recovered from, ascending: the patch; where this is a single
+    /// cell, whose own stress would say that it has no error, all cells of its region that share a vertex with it.
+    pub(super) fn to_recover_from(&self, patch: usize) -> Cow<'_, [u32]> {
+        let cells = self.cells(patch);
+        let [single] = *cells else { return Cow::Borrowed(cells) };
+        let mut around: Vec<u32> =
+            self.of_cell(single as usize).iter().flat_map(|&p| self.cells(p as usize)).copied().collect();
+        around.sort_unstable();
+        around.dedup();
+        Cow::Owned(around)
+    }
+
+    /// Whether cell `t` shares no vertex with another cell of its region.
+    pub(super) fn is_isolated(&self, t: usize) -> bool {
+        self.of_cell(t).iter().all(|&p| self.cells(p as usize).len() == 1)
     }
 }

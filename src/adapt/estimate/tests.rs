@@ -1,6 +1,7 @@
 //! Properties of the estimator: what it must not see, what it must see, and how it scales.
 
 use super::*;
+use crate::adapt::options::Marking;
 use crate::mesh::generate::box_tets;
 use crate::mesh::{RegionId, TetMesh};
 use glam::DVec3;
@@ -169,10 +170,51 @@ fn flat_patches_are_averaged() {
 
 #[test]
 fn the_relative_error_compares_with_the_exact_energy() {
-    let errors = CellErrors { squared: vec![4.0, 5.0], nodal_stress: Vec::new() };
+    let errors = CellErrors { squared: vec![4.0, 5.0], nodal_stress: Vec::new(), unestimated: Vec::new() };
     // 2 U_exact = 2 U_h + eta^2 = 16 + 9
     assert!(close(errors.relative(8.0), 0.6, 1.0));
-    assert_eq!(CellErrors { squared: vec![0.0], nodal_stress: Vec::new() }.relative(0.0), 0.0);
+    assert_eq!(CellErrors { squared: vec![0.0], nodal_stress: Vec::new(), unestimated: Vec::new() }.relative(0.0), 0.0);
+}
+
+/// A cell put on the middle of a side has a vertex of its own: its own stress there is no recovered stress.
+#[test]
+fn a_vertex_of_one_cell_sees_the_cells_around_it() {
+    let parts = skewed_box(4).into_parts();
+    let (mut points, mut tets) = (parts.points, parts.tets);
+    let centre = |f: [u32; 3]| f.into_iter().map(|v| points[v as usize]).sum::<DVec3>() / 3.0;
+    let target = DVec3::new(0.5, 0.5, 1.0);
+    let nearest = |f: &&crate::mesh::Face, g: &&crate::mesh::Face| {
+        centre(f.vertices).distance(target).total_cmp(&centre(g.vertices).distance(target))
+    };
+    let [a, b, c] = parts.faces.iter().min_by(nearest).unwrap().vertices;
+    let (tip, own) = (points.len() as u32, tets.len());
+    points.push(centre([a, b, c]) + 0.2 * DVec3::Z);
+    tets.push([a, b, c, tip]);
+    let mesh = TetMesh::from_cells(points, tets, "solid").unwrap();
+    let stress = sample(&mesh, linear);
+    let errors = estimate(&mesh, &[STEEL], &stress, Estimator::Spr);
+    let (recovered, exact) = (errors.nodal_stress[tip as usize], linear(mesh.points()[tip as usize]));
+    assert!((0..6).all(|i| close(recovered[i], exact[i], 10.0)), "{recovered:?} {exact:?} {:?}", stress[own]);
+}
+
+/// A region of one cell, and a mesh of one cell: nothing is known about their errors, and nothing else is said.
+#[test]
+fn the_error_of_an_isolated_cell_is_not_known() {
+    let mut parts = box_tets([1.0; 3], [2; 3]).unwrap().into_parts();
+    parts.region_names.push("inlay".to_owned());
+    parts.regions[7] = RegionId(1);
+    let mesh = TetMesh::new(parts).unwrap();
+    let tet =
+        TetMesh::from_cells(vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z], vec![[0, 1, 2, 3]], "solid").unwrap();
+    for estimator in BOTH {
+        for (mesh, cell) in [(&mesh, 7), (&tet, 0)] {
+            let errors = estimate(mesh, &[STEEL; 2], &sample(mesh, kinked), estimator);
+            assert_eq!(errors.unestimated, [cell]);
+            assert!(errors.energy().is_nan() && errors.relative(1.0).is_nan() && errors.relative(0.0).is_nan());
+            let marked = crate::adapt::mark(&errors, Marking::Threshold(1e9)).unwrap();
+            assert!((0..marked.len()).all(|t| marked[t] == (t == cell as usize)));
+        }
+    }
 }
 
 proptest! {

@@ -1,7 +1,7 @@
 //! Conjugate gradients with a two-level preconditioner: block Jacobi sweeps around a coarse correction.
 
 use super::coarse::Coarse;
-use super::{Problem, Solved, SolverInfo, residual};
+use super::{Problem, Solved, SolverInfo, at_the_limit, not_converged, residual};
 use crate::fem::FemError;
 use crate::fem::block_matrix::{CHUNK, dot, norm};
 use glam::{DMat3, DVec3};
@@ -12,6 +12,10 @@ pub(super) const MAX_ITERATIONS: usize = 20_000;
 
 /// Restarts from the true residual, when it is larger than the one that the recurrence carries along.
 const MAX_RESTARTS: usize = 3;
+
+/// What to do where the iterations do not suffice.
+const HELP: &str = "use method \"direct\"; else check the supports, nearly flat cells and Poisson's ratio near 1/2, or \
+                    accept a larger tolerance";
 
 /// Weight of a block Jacobi sweep. For four-node cells `x.K x <= 4 x.D x`, since the element energy of a sum of four
 /// nodal displacements is at most four times the sum of theirs: any weight below 1/2 makes the sweep a contraction and
@@ -27,24 +31,23 @@ pub(super) fn solve(problem: &Problem, reason: String, limit: usize) -> Result<S
     let preconditioner = Preconditioner::new(problem)?;
     let mut displacement = problem.lifting.clone();
     let (mut iterations, mut relative, mut remainder) = (0, 1.0, problem.rhs.clone());
+    let nonzeros = 9 * problem.system.stiffness.blocks.len();
+    let found = |displacement, reason, iterations, residual| {
+        let info = SolverInfo { method: "cg", reason, iterations, residual, nonzeros };
+        Ok(Solved { displacement, info })
+    };
     for _ in 0..=MAX_RESTARTS {
         iterations += iterate(&preconditioner, remainder, &mut displacement, limit - iterations)?;
         remainder = residual(problem.system, &displacement);
         relative = norm(&remainder) / problem.scale;
         if problem.accepts(relative) {
-            let nonzeros = 9 * problem.system.stiffness.blocks.len();
-            let info = SolverInfo { method: "cg", reason, iterations, residual: relative, nonzeros };
-            return Ok(Solved { displacement, info });
+            return found(displacement, reason, iterations, relative);
         }
     }
-    Err(FemError::NotConverged {
-        method: "conjugate gradients",
-        iterations,
-        residual: relative,
-        tolerance: problem.tolerance,
-        help: "use method \"direct\"; else check the supports, nearly flat cells and Poisson's ratio near 1/2, or \
-               accept a larger tolerance",
-    })
+    if problem.is_rounding(relative, &displacement) {
+        return found(displacement, at_the_limit(&reason, relative), iterations, relative);
+    }
+    Err(not_converged(problem, "conjugate gradients", iterations, relative, HELP))
 }
 
 /// Adds the solution of `K d = r` to `u`, `K` and `r` restricted to the unknowns; returns the number of iterations. It
@@ -65,6 +68,9 @@ fn iterate(
         let curvature = masked_product(problem, &p, &mut kp);
         // Also refuses NaN.
         if !(curvature > 0.0 && rho > 0.0) {
+            if !(curvature.is_finite() && rho.is_finite()) {
+                return Err(FemError::OutOfRange { what: "solution" });
+            }
             let detail = format!("p.K p = {curvature:.3e}, r.M r = {rho:.3e} in iteration {iteration}");
             return Err(FemError::NotPositiveDefinite { detail });
         }

@@ -2,12 +2,15 @@
 
 use super::cholesky::{Analysis, Lower};
 use super::ordering::Graph;
-use super::{Problem, Solved, SolverInfo, residual};
+use super::{Problem, Solved, SolverInfo, at_the_limit, not_converged, residual};
 use crate::fem::block_matrix::norm;
 use crate::fem::{FemError, System};
 
 /// Steps of iterative refinement before giving up.
 const MAX_REFINEMENTS: usize = 3;
+
+/// What to do where they do not help.
+const HELP: &str = "the matrix is nearly singular: check supports, nearly flat cells and Poisson's ratio near 1/2";
 
 /// Orders the unknowns and finds the structure of the factor.
 ///
@@ -62,7 +65,8 @@ fn lower_triangle(system: &System, unknowns: &[(usize, usize)]) -> Lower {
     lower
 }
 
-/// Factorises and solves; refines while the true residual is above the tolerance.
+/// Factorises and solves; refines while the true residual is above the tolerance. What refinement cannot lower is
+/// accepted if it is rounding.
 ///
 /// # Errors
 /// [`FemError::OutOfMemory`], [`FemError::NotPositiveDefinite`], [`FemError::NotConverged`].
@@ -71,7 +75,11 @@ pub(super) fn solve(problem: &Problem, analysis: Analysis, reason: String) -> Re
     let factor = analysis.factorise()?;
     let unknowns = || problem.system.numbering.unknowns();
     let mut displacement = problem.lifting.clone();
-    let mut remainder = problem.rhs.clone();
+    let (mut remainder, mut relative) = (problem.rhs.clone(), 1.0);
+    let found = |displacement, reason, iterations, residual| {
+        let info = SolverInfo { method: "direct", reason, iterations, residual, nonzeros };
+        Ok(Solved { displacement, info })
+    };
     for iterations in 0..=MAX_REFINEMENTS {
         let mut correction: Vec<f64> = unknowns().map(|(i, c)| remainder[i][c]).collect();
         factor.solve(&mut correction)?;
@@ -79,17 +87,13 @@ pub(super) fn solve(problem: &Problem, analysis: Analysis, reason: String) -> Re
             displacement[i][c] += du;
         }
         remainder = residual(problem.system, &displacement);
-        let relative = norm(&remainder) / problem.scale;
+        relative = norm(&remainder) / problem.scale;
         if problem.accepts(relative) {
-            let info = SolverInfo { method: "direct", reason, iterations, residual: relative, nonzeros };
-            return Ok(Solved { displacement, info });
+            return found(displacement, reason, iterations, relative);
         }
     }
-    Err(FemError::NotConverged {
-        method: "sparse Cholesky",
-        iterations: MAX_REFINEMENTS,
-        residual: norm(&remainder) / problem.scale,
-        tolerance: problem.tolerance,
-        help: "the matrix is nearly singular: check supports, nearly flat cells and Poisson's ratio near 1/2",
-    })
+    if problem.is_rounding(relative, &displacement) {
+        return found(displacement, at_the_limit(&reason, relative), MAX_REFINEMENTS, relative);
+    }
+    Err(not_converged(problem, "sparse Cholesky", MAX_REFINEMENTS, relative, HELP))
 }

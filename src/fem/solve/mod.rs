@@ -19,12 +19,20 @@ const SMALL: usize = 5_000;
 /// Iterations after which [`Method::Auto`] doubts conjugate gradients: five times as many as well-shaped meshes need.
 const FEW_ITERATIONS: usize = 300;
 
+/// Units of rounding that a residual at the limit of double precision may hold for each term `|K||u| + |f|` of its sums.
+/// A backward stable solution has about one; nodal forces have at most some dozens of terms.
+const ROUNDING_UNITS: f64 = 32.0;
+
+/// Largest relative residual that counts as rounding. The error of the solution is of its order: above, the solution says
+/// nothing about its load, as where a mechanism is left free and the matrix is singular.
+const LARGEST_ROUNDING: f64 = 1e-5;
+
 /// How a system was solved.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolverInfo {
     /// "direct", "cg", or "none" where nothing was to be solved.
     pub method: &'static str,
-    /// Why this method.
+    /// Why this method, and whether its residual is at the limit of double precision instead of the tolerance.
     pub reason: String,
     /// Iterations of conjugate gradients; steps of iterative refinement after a direct solve.
     pub iterations: usize,
@@ -46,10 +54,12 @@ pub struct Solved {
 /// Solves for the displacements. The same bytes result on any number of threads.
 ///
 /// # Errors
-/// [`FemError`] if the matrix is not positive definite, memory does not suffice, or the true residual stays above the
-/// tolerance: there is never a result above it.
+/// [`FemError`] if numbers leave the range of double precision, the matrix is not positive definite, memory does not
+/// suffice, or the true residual stays above the tolerance and above what rounding explains: there is never a result above
+/// both. On slender bodies `|K||u|` exceeds `|b|` by far, and with it the residual of the best solution that can be
+/// represented; [`SolverInfo::reason`] says where that was accepted.
 pub fn solve(system: &System, options: &SolverOptions) -> Result<Solved, FemError> {
-    let problem = Problem::new(system, options.tolerance);
+    let problem = Problem::new(system, options.tolerance)?;
     if problem.scale == 0.0 {
         return Ok(problem.nothing_to_solve());
     }
@@ -66,7 +76,10 @@ fn solve_auto(problem: &Problem, limit: u64) -> Result<Solved, FemError> {
     let mut reason = format!("{unknowns} unknowns");
     if unknowns > SMALL {
         match cg::solve(problem, format!("{reason}, more than {SMALL}"), FEW_ITERATIONS) {
-            Err(FemError::NotConverged { .. }) => reason += &format!(", more than {FEW_ITERATIONS} iterations"),
+            Err(FemError::NotConverged { iterations, residual, .. }) => {
+                reason += &format!(", conjugate gradients at residual {residual:.1e} after {iterations} iterations");
+            }
+            Err(FemError::NotPositiveDefinite { .. }) => reason += ", conjugate gradients broke down",
             done => return done,
         }
     }
@@ -95,10 +108,20 @@ struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    fn new(system: &'a System, tolerance: f64) -> Self {
+    /// # Errors
+    /// [`FemError::OutOfRange`].
+    fn new(system: &'a System, tolerance: f64) -> Result<Self, FemError> {
         let lifting = system.numbering.lifting();
         let rhs = residual(system, &lifting);
-        Self { system, scale: norm(&rhs), lifting, rhs, tolerance }
+        let scale = norm(&rhs);
+        let out_of_range = |what| Err(FemError::OutOfRange { what });
+        if !system.stiffness.blocks.iter().all(glam::DMat3::is_finite) {
+            return out_of_range("stiffness matrix");
+        }
+        if !scale.is_finite() || (scale == 0.0 && rhs.iter().any(|f| *f != DVec3::ZERO)) {
+            return out_of_range("right-hand side");
+        }
+        Ok(Self { system, scale, lifting, rhs, tolerance })
     }
 
     fn nothing_to_solve(self) -> Solved {
@@ -111,6 +134,39 @@ impl<'a> Problem<'a> {
     fn accepts(&self, residual: f64) -> bool {
         residual <= self.tolerance
     }
+
+    /// True if the relative residual of `u` is no more than rounding makes of it: `|r|` is within
+    /// [`ROUNDING_UNITS`] eps `| |K||u| + |f| |`, taken over the unknowns and by components.
+    fn is_rounding(&self, residual: f64, u: &[DVec3]) -> bool {
+        let system = self.system;
+        let terms = |i: usize| {
+            let products = system.stiffness.row(i).map(|(j, block)| block.abs() * u[j].abs());
+            system.numbering.mask()[i] * (products.sum::<DVec3>() + system.loads[i].abs())
+        };
+        let sizes: Vec<DVec3> =
+            (0..u.len()).into_par_iter().with_min_len(super::block_matrix::CHUNK).map(terms).collect();
+        let attainable = ROUNDING_UNITS * f64::EPSILON * norm(&sizes) / self.scale;
+        !self.tolerance.is_nan() && residual <= attainable.min(LARGEST_ROUNDING)
+    }
+}
+
+/// What [`SolverInfo::reason`] adds where the tolerance cannot be met in double precision.
+fn at_the_limit(reason: &str, residual: f64) -> String {
+    format!("{reason}; residual {residual:.1e} is at the limit of double precision")
+}
+
+/// The error for a residual above the tolerance that is no rounding.
+fn not_converged(
+    problem: &Problem,
+    method: &'static str,
+    iterations: usize,
+    residual: f64,
+    help: &'static str,
+) -> FemError {
+    if !residual.is_finite() {
+        return FemError::OutOfRange { what: "solution" };
+    }
+    FemError::NotConverged { method, iterations, residual, tolerance: problem.tolerance, help }
 }
 
 /// `f - K u` at the unknowns, zero elsewhere.

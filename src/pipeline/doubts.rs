@@ -1,0 +1,100 @@
+//! What a user should doubt about a step, and why a run ended.
+
+use super::simulate::Step;
+use crate::output::report::{Report, StepRecord, StopReason};
+use crate::output::table::{count, percent};
+use crate::scenario::{Scenario, Strategy};
+use glam::DVec3;
+
+/// Displacement over the model's size from which small strains are in doubt.
+const LARGE_DISPLACEMENT: f64 = 0.1;
+
+/// The warning of a run that ends because there is nothing to refine, though there is an error.
+pub(super) const NOTHING_MARKED: &str =
+    "marking selected no cell, so the run ends here: `adapt.marking` asks for a larger error than any cell has";
+
+/// Warnings about a step; `before` is the record of the step before.
+pub(super) fn about(step: &Step<'_>, before: Option<&StepRecord>, record: &StepRecord) -> Vec<String> {
+    let index = step.index;
+    let isolated = step.analysed.errors.unestimated.len();
+    let isolated = (isolated > 0).then(|| {
+        format!(
+            "step {index}: the error of {} cannot be estimated: isolated, they share no vertex with another cell of \
+             their region",
+            cells(isolated)
+        )
+    });
+    let info = &step.analysed.solution.info;
+    let rounding = info.reason.contains("limit of double precision").then(|| {
+        format!("step {index}: the solver's residual {:.1e} is at the limit of double precision", info.residual)
+    });
+    let grew = before.and_then(|before| growth(index, before.error.relative, record.error.relative));
+    let diagonal = step.mesh.diagonal();
+    let largest = step.analysed.solution.displacement.iter().copied().map(DVec3::length).fold(0.0, f64::max);
+    let large = (index == 0 && largest > LARGE_DISPLACEMENT * diagonal).then(|| {
+        format!(
+            "the largest displacement is {} % of the model's diagonal: check units and loads; the theory holds for \
+             small strains and rotations",
+            percent(largest / diagonal)
+        )
+    });
+    [isolated, rounding, grew, large].into_iter().flatten().collect()
+}
+
+/// The warning of an estimate that did not fall.
+fn growth(index: usize, before: f64, now: f64) -> Option<String> {
+    (now >= before && now > 0.0).then(|| {
+        format!(
+            "step {index}: the estimated relative error grew from {} to {} %: it is not reliable yet, the meshes are too \
+             coarse",
+            percent(before),
+            percent(now)
+        )
+    })
+}
+
+/// Why a run ended, in a sentence without full stop.
+pub(super) fn ending(scenario: &Scenario, strategy: Strategy, report: &Report) -> String {
+    let Some(last) = report.steps.last() else { return "nothing was solved".to_owned() };
+    let stop = &scenario.refine.stop;
+    let asked = |rule: &str, value: Option<String>| format!("{rule} = {} reached", value.unwrap_or_default());
+    let why = match report.stop_reason {
+        StopReason::Steps if report.warnings.iter().any(|w| w == NOTHING_MARKED) => {
+            "marking selected no cell".to_owned()
+        }
+        StopReason::Steps if strategy == Strategy::None => "refine.strategy = \"none\"".to_owned(),
+        StopReason::Steps => asked("steps", Some(scenario.refine.steps.to_string())),
+        StopReason::RelativeError => format!(
+            "relative error {} %, {} % asked for",
+            percent(last.error.relative),
+            percent(stop.relative_error.unwrap_or_default())
+        ),
+        StopReason::MaxCells => asked("max_cells", stop.max_cells.map(|n| n.to_string())),
+        StopReason::MaxMemory => {
+            format!("the next step would need more than max_memory = {} bytes", stop.max_memory.unwrap_or_default())
+        }
+        StopReason::Seconds => asked("seconds", stop.seconds.map(|s| s.to_string())),
+        StopReason::Exact => "the estimated error is rounding".to_owned(),
+        StopReason::Quantity => "the quantity is exact enough".to_owned(),
+        StopReason::Interrupted => "interrupted".to_owned(),
+    };
+    format!("stopped after step {}: {}, {why}", last.step, cells(last.mesh.cells))
+}
+
+fn cells(n: usize) -> String {
+    format!("{} cell{}", count(n), if n == 1 { "" } else { "s" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_estimate_that_does_not_fall_is_doubted() {
+        assert!(growth(2, 0.3, 0.31).unwrap().contains("grew from 30.0 to 31.0 %"));
+        assert!(growth(1, 0.3, 0.3).is_some());
+        for (before, now) in [(0.3, 0.29), (0.0, 0.0), (f64::NAN, 0.3), (0.3, f64::NAN)] {
+            assert_eq!(growth(1, before, now), None);
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! Whole runs of the program on small boxes: how they end, what they say, what they leave.
+#![allow(clippy::unwrap_used)]
+
+use assert_cmd::Command;
+use serde_json::Value;
+use std::path::Path;
+
+/// A bar of four bricks, held so that it can stretch freely, and pulled: its stress is constant.
+const PULLED: &str = r#"
+[mesh.box]
+size = [2.0, 1.0, 1.0]
+cells = [4, 2, 2]
+[materials.steel]
+youngs_modulus = 1000.0
+poissons_ratio = 0.3
+[supports.x]
+group = "x-min"
+fix = ["x"]
+[supports.y]
+group = "y-min"
+fix = ["y"]
+[supports.z]
+group = "z-min"
+fix = ["z"]
+[loads.pull]
+group = "x-max"
+traction = [1.0, 0.0, 0.0]
+[refine]
+steps = 2
+"#;
+
+/// The bar clamped and bent.
+const BENT: &str = r#"
+[mesh.box]
+size = [2.0, 1.0, 1.0]
+cells = [4, 2, 2]
+[materials.steel]
+youngs_modulus = 1000.0
+poissons_ratio = 0.3
+[supports.clamp]
+group = "x-min"
+fix = ["x", "y", "z"]
+[loads.tip]
+group = "x-max"
+force = [0.0, 0.0, -1.0]
+[refine]
+steps = 2
+"#;
+
+/// One tetrahedron on its face z = 0, in Gmsh's format.
+const CELL: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n\
+                    $Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n";
+
+/// A scenario for it.
+const SINGLE: &str = r#"
+mesh.file = "cell.msh"
+[materials.steel]
+youngs_modulus = 1000.0
+poissons_ratio = 0.3
+[supports.foot]
+plane = { normal = [0.0, 0.0, 1.0], offset = 0.0 }
+fix = ["x", "y", "z"]
+[loads.push]
+normal = { direction = [1.0, 1.0, 1.0], angle = 1.0 }
+traction = [1.0, 0.0, 0.0]
+[refine]
+strategy = "none"
+"#;
+
+/// A folder that holds the scenarios.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in [("pulled.toml", PULLED), ("bent.toml", BENT), ("cell.toml", SINGLE), ("cell.msh", CELL)] {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    folder
+}
+
+/// Runs `subsolid` in a folder; gives its exit code, standard output and standard error.
+fn subsolid(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
+    let output = Command::cargo_bin("subsolid").unwrap().args(arguments).current_dir(folder).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+fn json(path: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// Runs a scenario of the folder with settings; gives what it printed and its report.
+fn run(folder: &Path, scenario: &str, settings: &[&str]) -> (String, Value) {
+    let file = format!("{scenario}.toml");
+    let mut arguments = vec!["run", &file];
+    settings.iter().for_each(|s| arguments.extend(["--set", s]));
+    let (code, stdout, stderr) = subsolid(folder, &arguments);
+    assert_eq!(code, Some(0), "{stderr}");
+    (stdout, json(&folder.join("results").join(scenario).join("report.json")))
+}
+
+#[test]
+fn an_exact_solution_is_not_refined() {
+    let folder = folder();
+    let (stdout, report) = run(folder.path(), "pulled", &[]);
+    assert_eq!((&report["stop_reason"], report["steps"].as_array().unwrap().len()), (&"exact".into(), 1));
+    assert!(report["steps"][0]["error"]["relative"].as_f64().unwrap() < 1e-12);
+    assert!(stdout.contains("stopped after step 0: 96 cells, the estimated error is rounding"), "{stdout}");
+}
+
+#[test]
+fn a_marking_that_selects_nothing_is_not_exact() {
+    let folder = folder();
+    let (stdout, report) = run(folder.path(), "bent", &["adapt.marking={ threshold = 1e9 }"]);
+    assert_eq!((&report["stop_reason"], report["steps"].as_array().unwrap().len()), (&"steps".into(), 1));
+    assert!(report["warnings"][0].as_str().unwrap().contains("marking selected no cell"));
+    assert!(stdout.contains("warning: marking selected no cell"), "{stdout}");
+}
+
+#[test]
+fn runs_say_why_they_ended() {
+    let folder = folder();
+    let (stdout, _) = run(folder.path(), "bent", &["refine.stop.max_cells=100"]);
+    assert!(stdout.contains("cells, max_cells = 100 reached"), "{stdout}");
+    let (stdout, _) = run(folder.path(), "bent", &["refine.stop.relative_error=0.9"]);
+    assert!(stdout.contains("90.0 % asked for"), "{stdout}");
+    let (stdout, _) = run(folder.path(), "bent", &["refine.steps=1"]);
+    assert!(stdout.contains("stopped after step 1") && stdout.contains("steps = 1 reached"), "{stdout}");
+    let (_, stdout, _) = subsolid(folder.path(), &["compare", "bent.toml", "--set", "refine.steps=1"]);
+    assert!(stdout.contains("global: stopped after") && stdout.contains("adaptive: stopped after"), "{stdout}");
+}
+
+#[test]
+fn the_error_of_a_single_cell_is_not_known() {
+    let folder = folder();
+    let (_, report) = run(folder.path(), "cell", &[]);
+    assert_eq!(report["stop_reason"], "steps");
+    let error = &report["steps"][0]["error"];
+    assert!(error["relative"].is_null() && error["energy"].is_null() && error["normalised_mean"].is_null(), "{error}");
+    assert!(report["warnings"][0].as_str().unwrap().contains("the error of 1 cell cannot be estimated"));
+    let arguments = ["run", "cell.toml", "--set", "refine.stop.relative_error=0.99"];
+    let (code, _, stderr) = subsolid(folder.path(), &arguments);
+    assert_eq!(code, Some(7));
+    assert!(stderr.contains("cannot be estimated") && stderr.contains("99.0 %"), "{stderr}");
+    // Refined, it can be estimated.
+    let (_, report) = run(folder.path(), "cell", &["refine.strategy=adaptive", "refine.steps=2"]);
+    assert!(report["steps"][2]["error"]["relative"].is_f64(), "{report}");
+}
+
+#[test]
+fn large_displacements_are_doubted() {
+    let folder = folder();
+    let (stdout, _) = run(folder.path(), "bent", &["loads.tip.force=[0.0, 0.0, -100.0]", "refine.steps=0"]);
+    assert!(stdout.contains("of the model's diagonal: check units"), "{stdout}");
+    let (stdout, _) = run(folder.path(), "bent", &["refine.steps=0"]);
+    assert!(!stdout.contains("diagonal"), "{stdout}");
+}
