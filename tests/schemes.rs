@@ -353,6 +353,29 @@ fn a_sphere_is_interpolated_with_fourth_order_on_regular_parts() {
     assert!(all / finer_all > 3.0, "order {} over all", (all / finer_all).log2());
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(16))]
+
+    #[test]
+    fn random_selections_on_a_ball_keep_it_sound_and_its_vertices_in_place(
+        seeds in proptest::collection::vec(any::<u64>(), 3), share in 1_u64..9,
+    ) {
+        let (mut mesh, mut history) = (ball(4), History::default());
+        let ball = 4.0 / 3.0 * std::f64::consts::PI;
+        for seed in seeds {
+            let selected = random_selection(mesh.tets().len(), seed, share);
+            let refined = subdiv::refine(&mesh, &history, &selected, &INTERPOLATING).unwrap();
+            prop_assert!(refined.info.worst_sine > 0.0);
+            let (before, after) = ((mesh.volume() - ball).abs(), (refined.mesh.volume() - ball).abs());
+            prop_assert!(after < before + 0.01 * ball, "{} from the ball, before {}", after, before);
+            for v in mesh.faces().iter().flat_map(|f| f.vertices) {
+                prop_assert_eq!(mesh.points()[v as usize], refined.mesh.points()[v as usize]);
+            }
+            (mesh, history) = (refined.mesh, refined.history);
+        }
+    }
+}
+
 /// Beyond a crease there is nothing to interpolate; what replaces it must still be far better than flat faces.
 #[test]
 fn a_round_bar_is_rounded_up_to_its_rims() {

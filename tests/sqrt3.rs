@@ -10,6 +10,8 @@ use subsolid::mesh::{TetMesh, features, generate, quality, read, topology};
 use subsolid::subdiv::options::{Boundary, Options, Scheme};
 use subsolid::subdiv::{self, History, Refined};
 
+const BOUNDARIES: [Boundary; 3] = [Boundary::Fixed, Boundary::Approximating, Boundary::Interpolating];
+
 fn options(boundary: Boundary) -> Options {
     Options { scheme: Scheme::Sqrt3, boundary, ..Options::default() }
 }
@@ -65,7 +67,7 @@ fn assert_sound(before: &TetMesh, after: &Refined, volume_tolerance: f64) {
 
 #[test]
 fn uniform_steps_keep_a_box_with_its_groups_and_creases() {
-    for boundary in [Boundary::Fixed, Boundary::Approximating] {
+    for boundary in BOUNDARIES {
         let (mut mesh, mut history) = (unit_box(2), History::default());
         for _ in 0..3 {
             let refined = refine_all(&mesh, &history, boundary);
@@ -160,7 +162,7 @@ fn regions_keep_their_volumes_and_stay_conforming() {
 #[test]
 fn an_empty_selection_changes_nothing() {
     let mesh = unit_box(2);
-    for boundary in [Boundary::Fixed, Boundary::Approximating] {
+    for boundary in BOUNDARIES {
         let none = vec![false; mesh.tets().len()];
         let refined = subdiv::refine(&mesh, &History::default(), &none, &options(boundary)).unwrap();
         assert_eq!(refined.mesh.tets(), mesh.tets());
@@ -171,7 +173,7 @@ fn an_empty_selection_changes_nothing() {
 
 #[test]
 fn refining_one_corner_again_and_again_keeps_the_mesh_sound_and_graded() {
-    for boundary in [Boundary::Fixed, Boundary::Approximating] {
+    for boundary in BOUNDARIES {
         let (mut mesh, mut history) = (unit_box(2), History::default());
         for _ in 0..5 {
             let at_corner: Vec<bool> =
@@ -193,10 +195,9 @@ proptest! {
     fn random_selections_on_a_random_box_leave_a_sound_mesh(
         seeds in proptest::collection::vec(any::<u64>(), 3),
         jitter in 0.0..0.18_f64,
-        fixed in any::<bool>(),
+        boundary in prop::sample::select(BOUNDARIES.to_vec()),
         share in 1_u64..9,
     ) {
-        let boundary = if fixed { Boundary::Fixed } else { Boundary::Approximating };
         let mut parts = unit_box(3).into_parts();
         for p in &mut parts.points {
             // Interior vertices only: the faces stay planar, so the volume must be kept exactly.

@@ -49,12 +49,13 @@ pub fn subdivide(command: &Subdivision) -> Result<MeshReport, Error> {
     let mut mesh = with_features(file.mesh, command.feature_angle, edges, corners)?;
     let mut history = History::default();
     let progress = Progress::new(command.quiet);
-    let clock = Instant::now();
+    let (clock, mut split) = (Instant::now(), 0);
     for step in 1..=command.steps {
         let chosen = command.cells.choose(&mesh, step)?;
         let count = chosen.iter().filter(|c| **c).count();
         let _phase = progress.phase(format!("step {step}: refine {count} of {} cells", chosen.len()));
         let refined = subdiv::refine(&mesh, &history, &chosen, &command.options)?;
+        split += refined.info.split;
         (mesh, history) = (refined.mesh, refined.history);
     }
     let report = MeshReport::of(&mesh, clock.elapsed().as_secs_f64());
@@ -63,16 +64,16 @@ pub fn subdivide(command: &Subdivision) -> Result<MeshReport, Error> {
         write_json(path, &report)?;
     }
     if !command.quiet {
-        print(&describe(&report, &command.output))?;
+        print(&describe(&report, split, &command.output))?;
     }
     Ok(report)
 }
 
-fn describe(report: &MeshReport, output: &Path) -> String {
+fn describe(report: &MeshReport, split: usize, output: &Path) -> String {
     let MeshReport { mesh, quality: q, seconds } = report;
     format!(
         "{} cells, {} nodes, {} feature edges\nminimum dihedral angle: worst {:.2}, average {:.2} degrees; largest valence \
-         {}\nrefined in {seconds:.3} s, written to {}\n",
+         {}\n{split} cells refined in {seconds:.3} s, written to {}\n",
         mesh.cells,
         mesh.nodes,
         mesh.feature_edges,
