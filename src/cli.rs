@@ -101,7 +101,7 @@ pub struct Subdivide {
     /// What scheme sqrt3 does to the boundary surface; the others keep it
     #[arg(long, value_enum, default_value_t = BoundaryName::Approximating)]
     pub boundary: BoundaryName,
-    /// The file to write
+    /// The .vtu file to write
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
     /// What all commands have

@@ -38,6 +38,13 @@ pub enum Error {
     /// Standard output cannot be written.
     #[error("cannot write to standard output")]
     Print(#[source] std::io::Error),
+    /// A mesh is written in one format.
+    #[error("cannot write {path} as a mesh: its name does not end in .vtu", path = path.display())]
+    #[diagnostic(help("meshes are written as VTK unstructured grids: give a name such as refined.vtu"))]
+    NotVtu {
+        /// The file asked for.
+        path: std::path::PathBuf,
+    },
     /// A comparison with adaptive refinement needs a scheme that can refine some of the cells.
     #[error("scheme \"red\" refines all cells or none, so there is nothing adaptive to compare with")]
     #[diagnostic(help("set refine.scheme = \"sqrt3\" or \"longest-edge\"; or use `run` for global red refinement"))]
@@ -66,6 +73,7 @@ impl Error {
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
+            Self::NotVtu { .. } => 2,
             Self::Scenario(_) | Self::NothingToCompare => 3,
             Self::Mesh(_) => 4,
             Self::Model(_) => 5,

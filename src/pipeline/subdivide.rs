@@ -1,7 +1,7 @@
 //! `subsolid subdivide`: refine a mesh, all of it or chosen cells, and write it.
 
 use super::choice::{Cells, with_features};
-use super::print;
+use super::{load, print};
 use crate::error::Error;
 use crate::mesh::read;
 use crate::output::options::Compression;
@@ -44,7 +44,10 @@ pub struct Subdivision {
 /// [`Error::Mesh`] if the mesh or a list cannot be read or the mesh not be refined, [`Error::Output`] if the result cannot
 /// be written.
 pub fn subdivide(command: &Subdivision) -> Result<MeshReport, Error> {
-    let file = read::read(&command.mesh)?;
+    if !command.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("vtu")) {
+        return Err(Error::NotVtu { path: command.output.clone() });
+    }
+    let file = read::read(&load::find(&command.mesh, Path::new(""))?)?;
     let (edges, corners) = (command.edges.as_deref(), command.corners.as_deref());
     let mut mesh = with_features(file.mesh, command.feature_angle, edges, corners)?;
     let mut history = History::default();

@@ -110,6 +110,10 @@ impl Smoother {
     /// Solves the dual over the simplex by sequential minimal optimisation; returns the step and the predicted value.
     fn bundle_step(&mut self, t: f64) -> (DVec3, f64) {
         let n = self.pieces.len();
+        if n == 0 {
+            // Cells so small that their sines underflow say nothing about where to go.
+            return (DVec3::ZERO, f64::NEG_INFINITY);
+        }
         let start = (0..n).min_by(|&i, &j| self.pieces[i].sine.total_cmp(&self.pieces[j].sine)).unwrap_or(0);
         self.weights.clear();
         self.weights.resize(n, 0.0);

@@ -67,7 +67,12 @@ pub(super) fn refine(
     surface::retry_edges(&mut solid, &mut edges, &mut improver.filling);
     improver.improve(&mut solid, now, options.optimise.passes);
 
-    let history = next_history(&solid, history, &old, &faces, &edges);
+    let creases = match options.boundary {
+        // Creases that are halved have no parity.
+        Boundary::Fixed => (Vec::new(), Vec::new()),
+        Boundary::Approximating | Boundary::Interpolating => surface::crease_parities(history, &old),
+    };
+    let history = next_history(&solid, history, creases, &faces, &edges);
     let info = Info {
         asked,
         split: selected.iter().filter(|s| **s).count(),
@@ -156,9 +161,16 @@ fn split_cells(solid: &mut Solid, selected: &[bool]) {
     }
 }
 
-/// Collects what the next step has to know, of what still exists.
-fn next_history(solid: &Solid, before: &History, old: &OldMesh, faces: &Flips<3>, edges: &Flips<2>) -> History {
-    let (odd, half) = surface::crease_parities(before, old);
+/// Collects what the next step has to know, of what still exists. `creases` are the odd ones and those with one refined
+/// face.
+fn next_history(
+    solid: &Solid,
+    before: &History,
+    creases: (Vec<[u32; 2]>, Vec<[u32; 2]>),
+    faces: &Flips<3>,
+    edges: &Flips<2>,
+) -> History {
+    let (odd, half) = creases;
     let mut pending_faces = [&before.pending_faces[..], &faces.refused, &faces.one_sided].concat();
     pending_faces.retain(|&f| solid.cells_at_face(f).len() == 2);
     let mut pending_edges = [&before.pending_edges[..], &edges.refused, &edges.one_sided].concat();
