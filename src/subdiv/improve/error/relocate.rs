@@ -2,11 +2,11 @@
 
 use super::super::super::solid::Solid;
 use super::super::freedom::Freedom;
-use super::cost::cost_and_gradient;
+use super::cost::{cost_and_gradient, cost_and_sine};
 use glam::{DMat3, DVec3};
 
 /// A move must lower the cost of the cells around by this share.
-const GAIN: f64 = 1e-4;
+const GAIN: f64 = 1e-3;
 
 /// Cells at a vertex: the vertex itself first, the others in an order that keeps the cell positive, and a weight.
 struct Fan {
@@ -32,6 +32,21 @@ impl Fan {
         }
         Some(sum)
     }
+
+    /// True if with the vertex at `p` the weighted cost is below `bound` and no sine below `floor`.
+    fn is_better(&self, p: DVec3, bound: f64, floor: f64) -> bool {
+        let mut sum = 0.0;
+        for &([a, b, c], weight) in &self.cells {
+            match cost_and_sine([p, a, b, c]) {
+                Some((cost, sine)) if sine >= floor => sum += weight * cost,
+                _ => return false,
+            }
+            if sum >= bound {
+                return false;
+            }
+        }
+        true
+    }
 }
 
 /// Moves vertex `v` by one damped Newton step within its freedom, if that lowers the cost and leaves no cell below
@@ -47,16 +62,17 @@ pub(super) fn relocate(solid: &mut Solid, weights: &[f64], v: u32, floor: f64) -
     let gradient = freedom.project(gradient);
     let scale = fan.cells.iter().map(|(c, _)| (c[0] - start).length_squared()).fold(f64::INFINITY, f64::min).sqrt();
     let step = newton_step(&fan, start, gradient, scale, freedom);
-    let floor = floor.min(solid.worst_sine(solid.cells_at(v)));
-    for factor in [1.0, 0.5, 0.25] {
-        let p = start + factor * step;
-        let better = fan.evaluate(p).is_some_and(|(new, _)| new < (1.0 - GAIN) * cost);
-        if better && solid.worst_sine_with(v, p, floor) >= floor {
-            solid.move_point(v, p);
-            return true;
-        }
+    // A quadratic falls by half the slope along its Newton step.
+    if -0.5 * gradient.dot(step) < GAIN * cost {
+        return false;
     }
-    false
+    let floor = floor.min(solid.worst_sine(solid.cells_at(v)));
+    let steps = [1.0, 0.5, 0.25].map(|factor| start + factor * step);
+    let better = steps.into_iter().find(|p| fan.is_better(*p, (1.0 - GAIN) * cost, floor));
+    if let Some(p) = better {
+        solid.move_point(v, p);
+    }
+    better.is_some()
 }
 
 /// The Newton step with the Hessian from differences of the gradient, shifted until it is positive; at most `scale` long.
