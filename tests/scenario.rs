@@ -181,7 +181,6 @@ fn what_the_format_reserves_is_refused_with_what_to_use() {
     for (text, word) in [
         ("[solver]\nmethod = \"amg-cg\"", "\"cg\""),
         ("[analysis]\nelement = \"tet10\"", "\"tet4\""),
-        ("[refine.optimise]\nmode = \"best\"", "\"paper\""),
         ("[refine]\nboundary = \"fixed-trisection\"", "\"fixed\""),
         ("[quantities.tip]", "quantities"),
         ("[mesh]\nfile = \"a\"\nmidside = \"curved\"", "\"straight\""),

@@ -199,6 +199,8 @@ proptest! {
             prop_assert!(info.split >= info.asked);
             prop_assert!(after.tets().len() >= mesh.tets().len() + info.split);
             prop_assert_eq!(&after.points()[..mesh.points().len()], mesh.points());
+            let x = |m: &TetMesh| m.points().iter().map(|p| p.x).collect::<Vec<f64>>();
+            prop_assert_eq!(subdiv::carry_over(&x(&mesh), &refined.transfer), x(after));
             // Each selected cell is gone.
             let mut left: Vec<[u32; 4]> = after.tets().to_vec();
             left.sort_unstable();

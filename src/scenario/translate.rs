@@ -20,7 +20,7 @@ const RESERVED_KEYS: [&str; 12] = [
 ];
 
 /// Values that the format reserves likewise, each with what to use today.
-const RESERVED_VALUES: [(&str, &str); 13] = [
+const RESERVED_VALUES: [(&str, &str); 11] = [
     ("curved", "straight"),
     ("hex", "tet"),
     ("tet10", "tet4"),
@@ -30,8 +30,6 @@ const RESERVED_VALUES: [(&str, &str); 13] = [
     ("catmull-clark", "tet4"),
     ("catmull-clark+", "tet4"),
     ("amg-cg", "cg"),
-    ("best", "paper"),
-    ("error", "quality"),
     ("fixed-trisection", "fixed"),
     ("normal", "x"),
 ];
