@@ -153,3 +153,60 @@ fn large_displacements_are_doubted() {
     let (stdout, _) = run(folder.path(), "bent", &["refine.steps=0"]);
     assert!(!stdout.contains("diagonal"), "{stdout}");
 }
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).unwrap();
+    let mut names: Vec<String> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort_unstable();
+    names
+}
+
+#[test]
+fn the_copied_scenario_runs_again_to_the_same_bytes() {
+    let folder = folder();
+    run(folder.path(), "cell", &["refine.strategy=adaptive", "refine.steps=1", "loads.push.traction=[0, 0, -1.0]"]);
+    let results = folder.path().join("results/cell");
+    let arguments = ["run", "results/cell/scenario.toml", "--output", "again"];
+    let (code, _, stderr) = subsolid(folder.path(), &arguments);
+    assert_eq!(code, Some(0), "{stderr}");
+    for file in ["step_000.vtu", "step_001.vtu"] {
+        let [one, two] =
+            [results.join(file), folder.path().join("again").join(file)].map(|f| std::fs::read(f).unwrap());
+        assert!(one == two, "{file} differs");
+    }
+    let (code, ..) = subsolid(folder.path(), &["compare", "bent.toml", "--set", "refine.steps=1", "--quiet"]);
+    assert_eq!(code, Some(0));
+    for strategy in ["global", "adaptive"] {
+        let copy =
+            std::fs::read_to_string(folder.path().join(format!("results/bent/{strategy}/scenario.toml"))).unwrap();
+        assert!(copy.contains(&format!("strategy = \"{strategy}\"")) && copy.contains("steps = 1"), "{copy}");
+    }
+    // Run in its own folder it is not overwritten.
+    std::fs::copy(folder.path().join("bent.toml"), folder.path().join("scenario.toml")).unwrap();
+    let (code, ..) = subsolid(folder.path(), &["run", "scenario.toml", "--output", ".", "--quiet"]);
+    assert_eq!(
+        (code, std::fs::read_to_string(folder.path().join("scenario.toml")).unwrap()),
+        (Some(0), BENT.to_owned())
+    );
+}
+
+#[test]
+fn run_and_compare_do_not_mix() {
+    let folder = folder();
+    let results = folder.path().join("results/bent");
+    let command = |command, settings: &[&str]| {
+        let mut arguments = vec![command, "bent.toml", "--quiet"];
+        settings.iter().for_each(|s| arguments.extend(["--set", s]));
+        assert_eq!(subsolid(folder.path(), &arguments).0, Some(0));
+        names(&results)
+    };
+    let run = command("run", &["refine.steps=1"]);
+    std::fs::write(results.join("notes.txt"), "mine").unwrap();
+    let compared = command("compare", &["refine.steps=1"]);
+    assert!(compared.contains(&"compare.json".to_owned()) && !compared.contains(&"report.json".to_owned()));
+    let mut again = command("run", &["refine.steps=1"]);
+    again.retain(|n| n != "notes.txt");
+    assert_eq!(again, run);
+    assert!(results.join("notes.txt").exists());
+    assert!(command("run", &["refine.steps=0"]).len() < run.len() + 1);
+}

@@ -62,7 +62,7 @@ fn defaults_are_those_of_the_manual() {
     let s = accept(BASE, &[]);
     assert_eq!(s.title, "case");
     assert_eq!(s.directory, Path::new("dir"));
-    assert_eq!(s.text, BASE);
+    assert_eq!(s.document, BASE.parse().unwrap());
     assert_eq!(s.mesh, MeshSource::File("part.msh".into()));
     assert_eq!((s.features.angle, s.refine.strategy), (40.0, Strategy::None));
     assert_eq!((s.adapt.estimator, s.adapt.marking, s.adapt.grow), (Estimator::Spr, Marking::Doerfler(0.5), 0));
@@ -347,6 +347,30 @@ fn overrides_apply_to_tables_that_exist_and_to_those_that_do_not() {
     let s = accept(BASE, &[steel[0], steel[1], "materials.\"st.37\".poissons_ratio=0", "title=a = b"]);
     assert_eq!((s.title.as_str(), s.materials[0].name.as_str()), ("a = b", "st.37"));
     assert_eq!(s.overrides.len(), 4);
+}
+
+/// What is written beside the results is the scenario with its overrides, but for the names of places in error messages.
+#[test]
+fn a_scenario_written_to_run_again_is_the_same() {
+    let given = [
+        "refine.scheme=sqrt3",
+        "refine.steps=2",
+        "supports.foot.fix=[\"x\"]",
+        "supports.foot.all=[{ plane = { normal = [0, 0, 1], offset = -1e-7 } }, { not = { group = \"a \\\"b\\\"\" } }]",
+        "adapt.marking={ maximum = 0.7 }",
+        "title=line\nbreak",
+    ];
+    let s = accept(BASE, &given);
+    let text = s.to_run_again(Strategy::Global, Some(Path::new("../there/part.msh"))).unwrap();
+    let again = accept(&text, &[]);
+    assert_eq!((again.refine.strategy, again.mesh), (Strategy::Global, MeshSource::File("../there/part.msh".into())));
+    assert_eq!((again.title, again.refine.steps, again.refine.options), (s.title, 2, s.refine.options));
+    assert_eq!((again.adapt, again.solver, again.output), (s.adapt, s.solver, s.output));
+    let supports = |list: &[subsolid::scenario::Support]| {
+        list.iter().map(|s| (s.selector.clone(), s.displacement)).collect::<Vec<_>>()
+    };
+    assert_eq!(supports(&again.supports), supports(&s.supports));
+    assert_eq!(again.supports.len(), 2);
 }
 
 #[test]

@@ -5,14 +5,15 @@ use glam::DVec3;
 
 /// The mesh with its creases found: every boundary edge whose outward normals differ by more than `angle` degrees
 /// (strictly), every edge with other than two boundary faces, every edge in `tagged`, and every edge between different
-/// patches or regions. All but the last kind are features.
+/// patches or regions. All but the last kind are features. Vertices where surfaces touch become corners.
 #[must_use]
 pub fn with_creases(mesh: TetMesh, angle: f64, tagged: &[[u32; 2]]) -> TetMesh {
     let cells = topology::boundary_cells(mesh.tets());
     let tag = |i: usize| (mesh.faces()[i].patch, mesh.regions()[cells[i] as usize]);
-    let mut creases: Vec<Crease> = boundary_edges(mesh.faces())
-        .into_iter()
-        .filter_map(|(vertices, faces)| {
+    let edges = boundary_edges(mesh.faces());
+    let mut creases: Vec<Crease> = edges
+        .iter()
+        .filter_map(|&(vertices, ref faces)| {
             let feature = !matches!(faces[..], [f, g] if angle_between(&mesh, f, g) <= angle);
             let border = faces.iter().any(|&f| tag(f) != tag(faces[0]));
             (feature || border).then_some(Crease { vertices, feature })
@@ -22,7 +23,40 @@ pub fn with_creases(mesh: TetMesh, angle: f64, tagged: &[[u32; 2]]) -> TetMesh {
     // One entry an edge; a feature wins.
     creases.sort_unstable_by_key(|c| (c.vertices, !c.feature));
     creases.dedup_by_key(|c| c.vertices);
-    mesh.replace_creases(creases)
+    let mut corners = [mesh.corners(), &touching(mesh.faces(), &edges)].concat();
+    corners.sort_unstable();
+    corners.dedup();
+    mesh.replace_features(creases, corners)
+}
+
+/// The vertices whose boundary faces do not hang together through edges: surfaces touch there, and no rule for one
+/// surface may move them.
+fn touching(faces: &[Face], edges: &[([u32; 2], Vec<usize>)]) -> Vec<u32> {
+    // Corner k of face f has number 3 f + k; those at one vertex that hang together have one root.
+    let mut parents: Vec<usize> = (0..3 * faces.len()).collect();
+    let corner =
+        |f: usize, v: u32| 3 * f + usize::from(faces[f].vertices[1] == v) + 2 * usize::from(faces[f].vertices[2] == v);
+    for (ends, around) in edges {
+        for &v in ends {
+            for pair in around.windows(2) {
+                let [a, b] = [pair[0], pair[1]].map(|f| root(&mut parents, corner(f, v)));
+                parents[a.max(b)] = a.min(b);
+            }
+        }
+    }
+    let mut roots: Vec<u32> =
+        (0..parents.len()).filter(|&c| parents[c] == c).map(|c| faces[c / 3].vertices[c % 3]).collect();
+    roots.sort_unstable();
+    roots.chunk_by(|a, b| a == b).filter(|same| same.len() > 1).map(|same| same[0]).collect()
+}
+
+/// The root of a corner; halves the way to it for the next time.
+fn root(parents: &mut [usize], mut corner: usize) -> usize {
+    while parents[corner] != corner {
+        parents[corner] = parents[parents[corner]];
+        corner = parents[corner];
+    }
+    corner
 }
 
 /// The edges of the boundary, sorted by vertices, with the indices of the faces at each.
@@ -58,4 +92,42 @@ pub fn feature_count_and_length(mesh: &TetMesh) -> (usize, f64) {
         let [a, b] = c.vertices.map(|v| mesh.points()[v as usize]);
         (n + 1, length + (b - a).length())
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::generate::box_tets;
+
+    /// Two bricks, the second moved, with the vertices at the same place made one.
+    fn two_bricks(offset: DVec3) -> TetMesh {
+        let brick = box_tets([1.0; 3], [2; 3]).unwrap();
+        let mut points = brick.points().to_vec();
+        let number = |p: DVec3, points: &mut Vec<DVec3>| {
+            points.iter().position(|q| q.distance(p) < 1e-12).unwrap_or_else(|| {
+                points.push(p);
+                points.len() - 1
+            }) as u32
+        };
+        let moved: Vec<u32> = brick.points().iter().map(|p| number(*p + offset, &mut points)).collect();
+        let other = brick.tets().iter().map(|t| t.map(|v| moved[v as usize]));
+        let tets = brick.tets().iter().copied().chain(other).collect();
+        TetMesh::from_cells(points, tets, "solid").unwrap()
+    }
+
+    #[test]
+    fn where_surfaces_touch_in_a_vertex_there_is_a_corner() {
+        let mesh = with_creases(two_bricks(DVec3::ONE), 180.0, &[]);
+        let [corner] = *mesh.corners() else { panic!("{:?}", mesh.corners()) };
+        assert_eq!(mesh.points()[corner as usize], DVec3::ONE);
+        assert!(mesh.creases().is_empty());
+    }
+
+    /// Along an edge of four faces there is a crease, and the surface hangs together.
+    #[test]
+    fn where_surfaces_touch_in_an_edge_there_is_a_crease() {
+        let mesh = with_creases(two_bricks(DVec3::new(1.0, 1.0, 0.0)), 180.0, &[]);
+        assert_eq!((feature_count_and_length(&mesh), mesh.corners()), ((2, 1.0), &[][..]));
+        assert!(with_creases(two_bricks(DVec3::X), 180.0, &[]).corners().is_empty());
+    }
 }

@@ -220,8 +220,8 @@ impl TetMesh {
     }
 
     /// The mesh with other creases (sorted, all naming vertices of this mesh).
-    fn replace_creases(self, creases: Vec<Crease>) -> Self {
-        Self { parts: TetMeshParts { creases, ..self.parts } }
+    fn replace_features(self, creases: Vec<Crease>, corners: Vec<u32>) -> Self {
+        Self { parts: TetMeshParts { creases, corners, ..self.parts } }
     }
 
     /// Volume of cell `t`.

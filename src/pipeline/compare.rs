@@ -1,11 +1,13 @@
 //! `subsolid compare`: the same scenario refined globally and adaptively, and what adaptivity saved.
 
 use super::doubts::ending;
+use super::leftovers;
 use super::results::{Results, write_text};
 use super::run::{missed_tolerance, plot_curves, prepare, warnings};
 use super::simulate::{Plan, simulate};
 use super::{RunOptions, print, resolve::Resolved};
 use crate::error::Error;
+use crate::output::atomic::ensure_writable_dir;
 use crate::output::compare::{Comparison, ratios};
 use crate::output::progress::Progress;
 use crate::output::report::{PhaseSeconds, Report, write_json};
@@ -34,6 +36,8 @@ pub fn compare(scenario: &Scenario, options: &RunOptions, repeat: usize) -> Resu
     }
     let problem = prepare(scenario, options)?;
     let folder = options.folder(scenario);
+    ensure_writable_dir(&folder)?;
+    leftovers::remove(&folder, &scenario.path)?;
     let mut global = first_pass(scenario, options, &problem, Strategy::Global, "global")?;
     let mut adaptive = first_pass(scenario, options, &problem, Strategy::Adaptive, "adaptive")?;
     if global.seconds_total + adaptive.seconds_total < SHORT_SECONDS {
@@ -71,7 +75,7 @@ fn first_pass(
     strategy: Strategy,
     name: &str,
 ) -> Result<Report, Error> {
-    let mut results = Results::begin(options.folder(scenario).join(name), scenario)?;
+    let mut results = Results::begin(options.folder(scenario).join(name), scenario, strategy)?;
     let report = simulate(problem, &plan(scenario, options, strategy), &mut |step| results.step(step))?;
     results.finish(&report)?;
     Ok(report)

@@ -7,6 +7,7 @@ pub mod compare;
 mod doubts;
 mod hints;
 pub mod inspect;
+mod leftovers;
 pub mod load;
 mod loading;
 mod model_error;

@@ -1,5 +1,7 @@
 //! The folder of a run: a VTK file each step and their collection, the report, tables, plots, the scenario's copy.
 
+use super::leftovers;
+use super::load::find;
 use super::simulate::Step;
 use crate::error::Error;
 use crate::fem;
@@ -9,8 +11,8 @@ use crate::output::plot::{dihedral_histogram, error_histogram};
 use crate::output::report::{Report, write_json};
 use crate::output::vtk::{Fields, Values, write_vtu};
 use crate::output::{OutputError, pvd, table};
-use crate::scenario::Scenario;
-use std::path::{Path, PathBuf};
+use crate::scenario::{MeshSource, Scenario, Strategy};
+use std::path::{Component, Path, PathBuf};
 
 /// Writes what a run gives, step by step.
 pub(super) struct Results<'a> {
@@ -24,19 +26,25 @@ pub(super) struct Results<'a> {
 }
 
 impl<'a> Results<'a> {
-    /// Makes the folder, puts the scenario into it and removes the step files that an earlier run left there: beside
-    /// fewer new ones they would be taken for results of this run.
+    /// Makes the folder, removes what an earlier run or comparison left there (beside fewer new files the old ones would be
+    /// taken for results of this run), and writes the scenario so that it runs again.
     ///
     /// # Errors
     /// [`Error::Output`] if the folder cannot be written.
-    pub(super) fn begin(folder: PathBuf, scenario: &'a Scenario) -> Result<Self, Error> {
+    pub(super) fn begin(folder: PathBuf, scenario: &'a Scenario, strategy: Strategy) -> Result<Self, Error> {
         ensure_writable_dir(&folder)?;
-        remove_old_steps(&folder)?;
+        leftovers::remove(&folder, &scenario.path)?;
         let results = Self { folder, scenario, files: Vec::new(), angles: Vec::new(), errors: Vec::new() };
-        write_atomic(&results.path("scenario.toml"), |w| {
-            w.write_all(scenario.text.as_bytes())?;
-            scenario.overrides.iter().try_for_each(|o| writeln!(w, "# run with --set {o}"))
-        })?;
+        let copy = results.path("scenario.toml");
+        if !leftovers::is_same(&copy, &scenario.path) {
+            let mesh = match &scenario.mesh {
+                MeshSource::File(file) => Some(relative(&find(file, &scenario.directory)?, &results.folder)),
+                MeshSource::Box { .. } => None,
+            };
+            let text = scenario.to_run_again(strategy, mesh.as_deref());
+            let text = text.map_err(|e| OutputError::write(&copy, std::io::Error::other(e)))?;
+            write_text(&copy, &text)?;
+        }
         Ok(results)
     }
 
@@ -99,16 +107,30 @@ pub(super) fn write_text(path: &Path, text: &str) -> Result<(), Error> {
     Ok(write_atomic(path, |w| w.write_all(text.as_bytes()))?)
 }
 
-fn remove_old_steps(folder: &Path) -> Result<(), OutputError> {
-    let failed = |source| OutputError::Write { path: folder.to_owned(), source };
-    for entry in std::fs::read_dir(folder).map_err(failed)? {
-        let entry = entry.map_err(failed)?;
-        let name = entry.file_name();
-        let name = name.to_string_lossy();
-        let number = name.strip_prefix("step_").and_then(|rest| rest.strip_suffix(".vtu"));
-        if number.is_some_and(|n| n.len() >= 3 && n.bytes().all(|b| b.is_ascii_digit())) {
-            std::fs::remove_file(entry.path()).map_err(failed)?;
-        }
+/// The way from a folder to a file: relative if they have more in common than the root, else absolute.
+fn relative(file: &Path, folder: &Path) -> PathBuf {
+    let (Ok(file), Ok(folder)) = (file.canonicalize(), folder.canonicalize()) else { return file.to_owned() };
+    let common = file.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
+    if common < 2 {
+        return file;
     }
-    Ok(())
+    let up = folder.components().skip(common).map(|_| Component::ParentDir);
+    up.chain(file.components().skip(common)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_way_to_the_mesh_leads_to_it() {
+        let root = tempfile::tempdir().unwrap();
+        let [near, far] = ["a/b/c", "a/d"].map(|f| root.path().join(f));
+        [&near, &far].iter().for_each(|f| std::fs::create_dir_all(f).unwrap());
+        let mesh = far.join("part.msh");
+        std::fs::write(&mesh, "").unwrap();
+        assert_eq!(relative(&mesh, &near), Path::new("../../d/part.msh"));
+        assert_eq!(near.join(relative(&mesh, &near)).canonicalize().unwrap(), mesh.canonicalize().unwrap());
+        assert_eq!(relative(&mesh, &far), Path::new("part.msh"));
+    }
 }

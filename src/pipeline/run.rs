@@ -21,7 +21,7 @@ use std::path::Path;
 /// error that was not reached.
 pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<Report, Error> {
     let problem = prepare(scenario, options)?;
-    let mut results = Results::begin(options.folder(scenario), scenario)?;
+    let mut results = Results::begin(options.folder(scenario), scenario, scenario.refine.strategy)?;
     let plan = Plan {
         scenario,
         strategy: scenario.refine.strategy,

@@ -17,7 +17,7 @@ const MAX_STEPS: i64 = 20;
 /// Most cells a generated box may have before each is cut into tetrahedra.
 const MAX_BOX_CELLS: usize = 100_000_000;
 
-/// Checks everything that can be checked without the mesh. Leaves path, folder, text and overrides empty.
+/// Checks everything that can be checked without the mesh. Leaves path, folder, document and overrides empty.
 pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Scenario> {
     let mut warnings = Vec::new();
     let place = |span: &Range<usize>| document.place(span);
@@ -27,7 +27,7 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
     Ok(Scenario {
         path: PathBuf::new(),
         directory: PathBuf::new(),
-        text: String::new(),
+        document: toml::Table::new(),
         overrides: Vec::new(),
         title: raw.title.unwrap_or_default(),
         mesh: mesh(raw.mesh)?,

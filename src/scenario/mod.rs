@@ -29,8 +29,8 @@ pub struct Scenario {
     pub path: PathBuf,
     /// The folder of that file, where mesh files are looked for first.
     pub directory: PathBuf,
-    /// The text of the file, to be copied beside the results.
-    pub text: String,
+    /// What the file says, with the overrides applied, to be written beside the results.
+    pub document: toml::Table,
     /// Overrides `key.path=value` that were applied to the text.
     pub overrides: Vec<String>,
     /// `title`; the file's name without `.toml` if absent.
@@ -224,12 +224,14 @@ impl Scenario {
             document::Sources::new(&path.display().to_string(), text, overrides).map_err(ScenarioError::Invalid)?;
         let document = sources.parse().map_err(ScenarioError::Invalid)?;
         let invalid = |fault| ScenarioError::Invalid(document.explain(fault));
-        let raw = raw::RawScenario::deserialize(toml::Deserializer::from(document.root().clone()))
-            .map_err(|e| invalid(translate::fault(&e, &document)))?;
+        let deserializer = || toml::Deserializer::from(document.root().clone());
+        let raw =
+            raw::RawScenario::deserialize(deserializer()).map_err(|e| invalid(translate::fault(&e, &document)))?;
         let mut scenario = check::scenario(raw, &document).map_err(invalid)?;
         scenario.path = path.to_owned();
         scenario.directory = path.parent().map(Path::to_owned).unwrap_or_default();
-        scenario.text = text.to_owned();
+        scenario.document =
+            toml::Table::deserialize(deserializer()).map_err(|e| invalid(translate::fault(&e, &document)))?;
         scenario.overrides = overrides.to_vec();
         if scenario.title.is_empty() {
             scenario.title = scenario.name();
@@ -237,9 +239,36 @@ impl Scenario {
         Ok(scenario)
     }
 
+    /// A scenario file that runs this again from another folder: the text with the overrides applied, without comments;
+    /// `strategy` is the one that was run, `mesh` the path of the mesh file from that folder.
+    ///
+    /// # Errors
+    /// None with a scenario read from TOML, which can be written as TOML.
+    pub fn to_run_again(&self, strategy: Strategy, mesh: Option<&Path>) -> Result<String, toml::ser::Error> {
+        let mut document = self.document.clone();
+        document.insert("title".to_owned(), self.title.clone().into());
+        set(&mut document, "refine", "strategy", toml::Value::try_from(strategy)?);
+        if let Some(mesh) = mesh {
+            set(&mut document, "mesh", "file", mesh.to_string_lossy().into_owned().into());
+        }
+        let mut head = format!("# {} as it was run", self.path.display());
+        self.overrides.iter().for_each(|o| head += &format!(", --set {o}"));
+        // A comment ends with its line.
+        let head = head.replace(|c: char| c.is_control(), " ");
+        Ok(format!("{head}\n\n{}", toml::to_string(&document)?))
+    }
+
     /// The file's name without its extension; names the folder of the results.
     #[must_use]
     pub fn name(&self) -> String {
         self.path.file_stem().map_or_else(|| "scenario".to_owned(), |s| s.to_string_lossy().into_owned())
+    }
+}
+
+/// Sets `key` in the table `name`, which is made if it is not there.
+fn set(document: &mut toml::Table, name: &str, key: &str, value: toml::Value) {
+    let entry = document.entry(name).or_insert_with(|| toml::Table::new().into());
+    if let Some(table) = entry.as_table_mut() {
+        table.insert(key.to_owned(), value);
     }
 }
