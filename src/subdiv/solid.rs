@@ -4,7 +4,10 @@
 //! removed cells are used again. Vertices are only ever added, so their numbers stay.
 
 use crate::mesh::{Crease, Face, MeshError, PatchId, RegionId, TetMesh, TetMeshParts, quality, topology};
+mod journal;
+
 use glam::DVec3;
+use journal::{Change, Journal};
 use rustc_hash::FxHashMap;
 
 /// Marks a free slot.
@@ -43,6 +46,7 @@ pub(super) struct Solid {
     faces_at: Vec<Vec<u32>>,
     creases: FxHashMap<[u32; 2], bool>,
     pinned: Vec<bool>,
+    journal: Journal,
     rest: TetMeshParts,
 }
 
@@ -75,6 +79,7 @@ impl Solid {
             faces_at: vec![Vec::new(); count],
             creases: mesh.creases().iter().map(|c| (c.vertices, c.feature)).collect(),
             pinned: vec![false; count],
+            journal: Journal::default(),
             rest: TetMeshParts { points: Vec::new(), tets: Vec::new(), ..mesh.clone().into_parts() },
         };
         for (t, &tet) in mesh.tets().iter().enumerate() {
@@ -165,6 +170,31 @@ impl Solid {
         self.faces_at[v as usize].is_empty() && !self.pinned[v as usize]
     }
 
+    /// Number of vertices.
+    pub(super) fn point_count(&self) -> usize {
+        self.points.len()
+    }
+
+    /// Surface faces at vertex `v`.
+    pub(super) fn faces_at(&self, v: u32) -> impl Iterator<Item = &Face> {
+        self.faces_at[v as usize].iter().map(|&f| &self.faces[f as usize])
+    }
+
+    /// The creases, in no order.
+    pub(super) fn crease_edges(&self) -> impl Iterator<Item = [u32; 2]> {
+        self.creases.keys().copied()
+    }
+
+    /// True if the vertex is on a crease or a corner.
+    pub(super) fn is_pinned(&self, v: u32) -> bool {
+        self.pinned[v as usize]
+    }
+
+    /// True if the vertex is tagged as a corner.
+    pub(super) fn is_corner(&self, v: u32) -> bool {
+        self.rest.corners.binary_search(&v).is_ok()
+    }
+
     /// True if the edge is tagged as a crease.
     pub(super) fn is_crease(&self, edge: [u32; 2]) -> bool {
         self.creases.contains_key(&topology::sorted2(edge))
@@ -249,6 +279,7 @@ impl Solid {
         for v in tet {
             self.cells_at[v as usize].push(slot);
         }
+        self.journal.note(Change::CellAdded(slot));
         slot
     }
 
@@ -260,6 +291,7 @@ impl Solid {
         }
         self.tets[t as usize] = [DEAD; 4];
         self.free.push(t);
+        self.journal.note(Change::CellRemoved(tet, self.tag(t)));
         (tet, self.tag(t))
     }
 
@@ -284,6 +316,7 @@ impl Solid {
         for v in face.vertices {
             self.faces_at[v as usize].push(slot);
         }
+        self.journal.note(Change::FaceAdded(face.vertices));
     }
 
     /// Removes the surface face with these vertices (in any order); `None` if there is none.
@@ -300,6 +333,7 @@ impl Solid {
         }
         self.faces[slot as usize].vertices = [DEAD; 3];
         self.free_faces.push(slot);
+        self.journal.note(Change::FaceRemoved(face));
         Some(face)
     }
 
@@ -331,6 +365,7 @@ impl Solid {
 
     /// Moves vertex `v`.
     pub(super) fn move_point(&mut self, v: u32, p: DVec3) {
+        self.journal.note(Change::Moved(v, self.points[v as usize]));
         self.points[v as usize] = p;
         for i in 0..self.cells_at[v as usize].len() {
             let t = self.cells_at[v as usize][i];

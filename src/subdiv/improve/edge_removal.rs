@@ -77,19 +77,12 @@ impl Filling {
 /// Removes the edge if a filling of its ring has a worst sine above `floor`. A boundary edge is replaced by the chord of
 /// its link; the caller has made sure that this is a change of the surface it wants. Returns whether it was done.
 pub(crate) fn remove_edge(solid: &mut Solid, edge: [u32; 2], ring: &Ring, floor: f64, filling: &mut Filling) -> bool {
+    if !can_remove(solid, edge, ring, floor, filling) {
+        return false;
+    }
     let [a, b] = edge;
     let link = &ring.vertices;
-    let tag = solid.tag(ring.cells[0]);
-    if ring.cells.iter().any(|&t| solid.tag(t).region != tag.region) {
-        return false;
-    }
-    if !ring.closed && !chord_is_free(solid, edge, link) {
-        return false;
-    }
-    if !filling.solve(solid, edge, link, floor) {
-        return false;
-    }
-    let mut tag = tag;
+    let mut tag = solid.tag(ring.cells[0]);
     for &t in &ring.cells {
         tag.level = tag.level.max(solid.tag(t).level);
         solid.remove_cell(t);
@@ -103,6 +96,14 @@ pub(crate) fn remove_edge(solid: &mut Solid, edge: [u32; 2], ring: &Ring, floor:
         flip_surface(solid, edge, link[0], link[link.len() - 1]);
     }
     true
+}
+
+/// Finds the filling by which [`remove_edge`] would remove the edge; true if there is one.
+pub(super) fn can_remove(solid: &Solid, edge: [u32; 2], ring: &Ring, floor: f64, filling: &mut Filling) -> bool {
+    let region = solid.tag(ring.cells[0]).region;
+    ring.cells.iter().all(|&t| solid.tag(t).region == region)
+        && (ring.closed || chord_is_free(solid, edge, &ring.vertices))
+        && filling.solve(solid, edge, &ring.vertices, floor)
 }
 
 /// A boundary edge may be replaced by the chord if the chord is not an edge yet and both ends keep at least two cells.

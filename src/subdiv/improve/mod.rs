@@ -1,13 +1,21 @@
 //! Mesh improvement by the paper's operations: edge removal and vertex smoothing, in passes over what changed.
 
 mod edge_removal;
+mod freedom;
+mod mean;
+mod multi_face;
+mod quality;
+mod repair;
 mod smooth;
+mod valence;
 
 pub(super) use edge_removal::{Filling, remove_edge};
+pub(super) use quality::optimise_quality;
 
 use super::solid::{Ring, Solid};
-use crate::mesh::{quality, topology};
-use smooth::Smoother;
+use crate::mesh::{quality::volume, topology};
+use freedom::Freedom;
+use smooth::{GOOD, Smoother};
 
 /// Tools with their work space.
 #[derive(Default)]
@@ -43,12 +51,7 @@ impl Improver {
 
     fn improve_edge(&mut self, solid: &mut Solid, edge: [u32; 2]) -> bool {
         let Some(ring) = solid.ring(edge[0], edge[1]) else { return false };
-        let removable = if ring.closed {
-            !solid.is_crease(edge) && !solid.is_surface_edge(edge)
-        } else {
-            is_flat(solid, edge, &ring)
-        };
-        if !removable {
+        if !is_removable(solid, edge, &ring) {
             return false;
         }
         let worst = solid.worst_sine(&ring.cells);
@@ -61,8 +64,13 @@ impl Improver {
         let mut vertices: Vec<u32> = solid.cells_since(since).flat_map(|t| solid.tet(t)).collect();
         vertices.sort_unstable();
         vertices.dedup();
-        vertices.into_iter().filter(|&v| solid.is_interior(v) && self.smoother.smooth(solid, v)).count()
+        vertices.into_iter().filter(|&v| solid.is_interior(v) && self.smoother.smooth(solid, v, Freedom::Space, GOOD)).count()
     }
+}
+
+/// True if the edge may go without changing the solid.
+fn is_removable(solid: &Solid, edge: [u32; 2], ring: &Ring) -> bool {
+    if ring.closed { !solid.is_crease(edge) && !solid.is_surface_edge(edge) } else { is_flat(solid, edge, ring) }
 }
 
 /// True if the boundary edge may be flipped without changing the solid: its faces lie in one plane and one patch, and
@@ -78,7 +86,7 @@ fn is_flat(solid: &Solid, edge: [u32; 2], ring: &Ring) -> bool {
     let [a, b] = edge.map(|v| solid.point(v));
     let [c, d] = [ring.vertices[0], ring.vertices[ring.vertices.len() - 1]].map(|v| solid.point(v));
     let longest = [b - a, c - a, d - a, c - b, d - b, d - c].iter().map(|e| e.length_squared()).fold(0.0, f64::max);
-    if quality::volume([a, b, c, d]).abs() > 1e-14 * longest * longest.sqrt() {
+    if volume([a, b, c, d]).abs() > 1e-14 * longest * longest.sqrt() {
         return false;
     }
     let normal = (c - a).cross(b - a);

@@ -8,8 +8,8 @@ mod closure;
 mod flip;
 mod surface;
 
-use super::improve::Improver;
-use super::options::{Boundary, Options};
+use super::improve::{Improver, optimise_quality};
+use super::options::{Boundary, Mode, Optimise, Options};
 use super::solid::Solid;
 use super::{Info, Refined};
 use crate::mesh::{MeshError, TetMesh, topology};
@@ -54,7 +54,7 @@ pub(super) fn refine(
         Boundary::Fixed => surface::halve_edges(&mut solid, &old),
         Boundary::Approximating => surface::subdivide(&mut solid, &old, &mut improver.filling),
     };
-    improver.improve(&mut solid, start, options.optimise.passes);
+    improver.improve(&mut solid, start, before_smoothing(&options.optimise));
     let mut rejected = 0;
     if options.boundary == Boundary::Approximating {
         rejected += surface::smooth(&mut solid, &old, &mut improver);
@@ -62,7 +62,10 @@ pub(super) fn refine(
     let now = solid.tick();
     flip::retry_faces(&mut solid, &mut faces);
     surface::retry_edges(&mut solid, &mut edges, &mut improver.filling);
-    improver.improve(&mut solid, now, options.optimise.passes);
+    match options.optimise.mode {
+        Mode::Paper => improver.improve(&mut solid, now, options.optimise.passes),
+        Mode::Best => optimise_quality(&mut solid, start, &options.optimise),
+    }
 
     let history = next_history(&solid, history, &old, &faces, &edges);
     let info = Info {
@@ -74,6 +77,14 @@ pub(super) fn refine(
         worst_sine: solid.worst_sine_of_all(),
     };
     Ok(Refined { mesh: solid.finish()?, history, info })
+}
+
+/// Passes of the paper's operations before boundary vertices move.
+fn before_smoothing(optimise: &Optimise) -> usize {
+    match optimise.mode {
+        Mode::Paper => optimise.passes,
+        Mode::Best => optimise.passes.min(1),
+    }
 }
 
 /// Flips of one kind: how many were done, which were refused, which lack a refined cell on one side.

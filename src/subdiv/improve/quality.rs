@@ -1,0 +1,208 @@
+//! Objective "quality": large dihedral angles, first the worst of them, then their mean, and few cells at a vertex.
+//!
+//! Each pass works on what the pass before changed: it relieves over-full vertices, removes edges and faces, and smooths
+//! for the worst cell and for the mean. The last pass ends with the few cells that all this could not help.
+//!
+//! Candidates are evaluated in parallel on the mesh as it stands, and those that would succeed are then carried out one
+//! after the other, evaluated again; so the result does not depend on the number of threads.
+
+use super::super::options::Optimise;
+use super::super::solid::Solid;
+use super::edge_removal::{Filling, can_remove};
+use super::freedom::{Freedom, freedoms};
+use super::multi_face::{find_faces, remove_faces};
+use super::smooth::Smoother;
+use super::{is_removable, mean, remove_edge};
+use crate::mesh::topology;
+use rayon::prelude::*;
+
+/// Steps of the smoother a visit: more of them equalise the cells at a vertex at the expense of their mean.
+const STEPS: usize = 2;
+
+/// Sweeps for the mean a pass.
+const MEAN_SWEEPS: usize = 2;
+
+/// Cells whose smallest angle is this many degrees below the target are repaired at any price.
+const REPAIR_BELOW: f64 = 6.0;
+
+/// No cell is pushed below this many degrees under the target for the sake of the mean.
+const MEAN_BELOW: f64 = 4.0;
+
+/// Repairs end after this many rounds.
+const REPAIRS: usize = 3;
+
+/// The worst sine must grow by this much for a change to be worth it.
+const GAIN: f64 = 0.01;
+
+/// What one run works with.
+pub(super) struct Quality {
+    /// Cells with larger sines are good enough.
+    pub(super) goal: f64,
+    /// Cells with smaller sines are repaired.
+    pub(super) repair: f64,
+    mean_floor: f64,
+    pub(super) limit: usize,
+    pub(super) freedoms: Vec<Freedom>,
+    pub(super) filling: Filling,
+    pub(super) smoother: Smoother,
+}
+
+/// Optimises the cells changed since `since` and whatever that changes. Keeps the surface as a set of points (flat parts
+/// may get other triangles), creases, patches and regions; adds vertices, removes none.
+pub(crate) fn optimise_quality(solid: &mut Solid, since: u32, options: &Optimise) {
+    let sine = |degrees: f64| degrees.clamp(1.0, 60.0).to_radians().sin();
+    let mut run = Quality {
+        goal: sine(options.target_angle),
+        repair: sine(options.target_angle - REPAIR_BELOW),
+        mean_floor: sine(options.target_angle - MEAN_BELOW),
+        limit: options.valence_limit,
+        freedoms: freedoms(solid),
+        filling: Filling::default(),
+        smoother: Smoother::with_steps(STEPS),
+    };
+    let mut since = since;
+    for pass in 1..=options.passes {
+        since = run.pass(solid, since, pass == options.passes);
+    }
+}
+
+impl Quality {
+    /// One pass over the cells changed since `since`; returns when it began.
+    fn pass(&mut self, solid: &mut Solid, since: u32, last: bool) -> u32 {
+        let now = solid.tick();
+        self.relieve(solid);
+        self.remove_edges(solid, since);
+        self.remove_faces(solid, since);
+        self.smooth(solid, since);
+        if last {
+            for _ in 0..REPAIRS {
+                if !self.repair_all(solid) {
+                    break;
+                }
+            }
+        }
+        for _ in 0..MEAN_SWEEPS {
+            self.raise_means(solid, since);
+        }
+        now
+    }
+
+    /// Removes edges of bad cells where that improves the worst cell of the ring.
+    fn remove_edges(&mut self, solid: &mut Solid, since: u32) {
+        let mut edges: Vec<[u32; 2]> =
+            self.bad_since(solid, since).flat_map(|t| topology::tet_edges(solid.tet(t))).collect();
+        edges.par_sort_unstable();
+        edges.dedup();
+        let goal = self.goal;
+        let worth = |filling: &mut Filling, &edge: &[u32; 2]| {
+            let Some(ring) = solid.ring(edge[0], edge[1]) else { return false };
+            let floor = solid.worst_sine(&ring.cells) + GAIN;
+            floor < goal && is_removable(solid, edge, &ring) && can_remove(solid, edge, &ring, floor.max(0.0), filling)
+        };
+        for edge in select(edges, worth) {
+            self.improve_edge(solid, edge, |worst| worst + GAIN);
+        }
+    }
+
+    /// Removes the edge if the worst sine of the new cells exceeds `floor(worst old sine)`.
+    pub(super) fn improve_edge(&mut self, solid: &mut Solid, edge: [u32; 2], floor: impl Fn(f64) -> f64) -> bool {
+        let Some(ring) = solid.ring(edge[0], edge[1]) else { return false };
+        let floor = floor(solid.worst_sine(&ring.cells)).max(0.0);
+        floor < self.goal
+            && is_removable(solid, edge, &ring)
+            && remove_edge(solid, edge, &ring, floor, &mut self.filling)
+    }
+
+    /// Removes faces of bad cells where that improves the worst cell.
+    fn remove_faces(&self, solid: &mut Solid, since: u32) {
+        let cells = self.bad_since(solid, since);
+        let mut faces: Vec<[u32; 3]> =
+            cells.flat_map(|t| topology::tet_faces(solid.tet(t)).map(topology::sorted3)).collect();
+        faces.par_sort_unstable();
+        faces.dedup();
+        let worth = |(): &mut (), face: &[u32; 3]| find_faces(solid, *face, self.goal, GAIN).is_some();
+        for face in select(faces, worth) {
+            remove_faces(solid, face, self.goal, GAIN);
+        }
+    }
+
+    /// Smooths the vertices of bad cells for their worst cell.
+    fn smooth(&self, solid: &mut Solid, since: u32) {
+        let vertices = vertices_of(solid, self.bad_since(solid, since));
+        self.sweep(solid, vertices, |smoother, solid, v, freedom| smoother.better(solid, v, freedom, self.goal));
+    }
+
+    /// Smooths the vertices of changed cells for the mean.
+    fn raise_means(&self, solid: &mut Solid, since: u32) {
+        let vertices = vertices_of(solid, solid.cells_since(since));
+        self.sweep(solid, vertices, |_, solid, v, freedom| mean::better(solid, v, freedom, self.mean_floor));
+    }
+
+    /// Moves vertices to where `propose` says; those without common cells at the same time.
+    fn sweep<F>(&self, solid: &mut Solid, vertices: Vec<u32>, propose: F)
+    where
+        F: Fn(&mut Smoother, &Solid, u32, Freedom) -> Option<glam::DVec3> + Sync,
+    {
+        let movable = vertices.into_iter().filter(|&v| self.freedoms[v as usize] != Freedom::Fixed).collect();
+        for class in independent_classes(solid, movable) {
+            let moves: Vec<(u32, glam::DVec3)> = {
+                let solid = &*solid;
+                let new = |smoother: &mut Smoother, v: u32| {
+                    propose(smoother, solid, v, self.freedoms[v as usize]).map(|p| (v, p))
+                };
+                let made = class.into_par_iter().with_min_len(64).map_init(|| Smoother::with_steps(STEPS), new);
+                made.collect::<Vec<_>>().into_iter().flatten().collect()
+            };
+            for (v, p) in moves {
+                solid.move_point(v, p);
+            }
+        }
+    }
+
+    /// Cells changed since `since` that are not good enough.
+    fn bad_since(&self, solid: &Solid, since: u32) -> impl Iterator<Item = u32> {
+        solid.cells_since(since).filter(|&t| solid.sine(t) < self.goal)
+    }
+}
+
+/// Those items, in order, that `worth` (with work space of its own on each thread) says yes to.
+fn select<T: Copy + Send + Sync, W: Default>(items: Vec<T>, worth: impl Fn(&mut W, &T) -> bool + Sync) -> Vec<T> {
+    let verdicts = items.par_iter().with_min_len(256).map_init(W::default, |work, item| worth(work, item));
+    let verdicts: Vec<bool> = verdicts.collect();
+    items.into_iter().zip(verdicts).filter_map(|(item, yes)| yes.then_some(item)).collect()
+}
+
+/// The vertices of the cells, sorted.
+pub(super) fn vertices_of(solid: &Solid, cells: impl Iterator<Item = u32>) -> Vec<u32> {
+    let mut vertices: Vec<u32> = cells.flat_map(|t| solid.tet(t)).collect();
+    vertices.par_sort_unstable();
+    vertices.dedup();
+    vertices
+}
+
+/// Classes of vertices of which no two share a cell: a greedy colouring in the given order. At most 64 classes; what is
+/// left over waits for the next sweep.
+fn independent_classes(solid: &Solid, vertices: Vec<u32>) -> Vec<Vec<u32>> {
+    const NONE: u8 = u8::MAX;
+    let mut colours = vec![NONE; solid.point_count()];
+    let mut classes: Vec<Vec<u32>> = Vec::new();
+    for v in vertices {
+        let mut used = 0_u64;
+        for &t in solid.cells_at(v) {
+            for w in solid.tet(t) {
+                let colour = colours[w as usize];
+                used |= if colour == NONE { 0 } else { 1 << colour };
+            }
+        }
+        let colour = (!used).trailing_zeros() as usize;
+        if colour == 64 {
+            continue;
+        }
+        colours[v as usize] = colour as u8;
+        if colour == classes.len() {
+            classes.push(Vec::new());
+        }
+        classes[colour].push(v);
+    }
+    classes
+}
