@@ -7,7 +7,7 @@ mod solid;
 mod sqrt3;
 
 use crate::mesh::{MeshError, TetMesh};
-use options::{Options, Scheme};
+use options::{Optimise, Options, Scheme};
 
 pub use sqrt3::History;
 
@@ -37,6 +37,17 @@ pub struct Info {
     pub pending: usize,
     /// Smallest minimum sine of the dihedral angles of the new mesh.
     pub worst_sine: f64,
+}
+
+/// Optimises a whole mesh for its dihedral angles ([`options::Objective::Quality`]), whatever made it. Vertices keep
+/// their numbers; the solid, its regions, groups and creases stay.
+///
+/// # Errors
+/// [`MeshError`] if the result would not be a valid mesh.
+pub fn optimise(mesh: &TetMesh, options: &Optimise) -> Result<TetMesh, MeshError> {
+    let mut solid = solid::Solid::new(mesh);
+    improve::optimise_quality(&mut solid, 0, options);
+    solid.finish()
 }
 
 /// Refines the selected cells (`selected[t]` for each cell of `mesh`) by one step of `options.scheme`. `history` is

@@ -175,6 +175,11 @@ impl Solid {
         self.points.len()
     }
 
+    /// Largest absolute value of a coordinate.
+    pub(super) fn largest_coordinate(&self) -> f64 {
+        self.points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max)
+    }
+
     /// Surface faces at vertex `v`.
     pub(super) fn faces_at(&self, v: u32) -> impl Iterator<Item = &Face> {
         self.faces_at[v as usize].iter().map(|&f| &self.faces[f as usize])
@@ -360,6 +365,22 @@ impl Solid {
             for &v in inner {
                 self.pinned[v as usize] = true;
             }
+        }
+    }
+
+    /// Minimum sines of the cells at `v`, in the order of [`Solid::cells_at`], if it were at `p`.
+    pub(super) fn sines_with(&self, v: u32, p: DVec3) -> smallvec::SmallVec<[f64; 32]> {
+        let corner = |w| if w == v { p } else { self.point(w) };
+        self.cells_at(v).iter().map(|&t| quality::min_sine(self.tet(t).map(corner))).collect()
+    }
+
+    /// Moves vertex `v` to where its cells have these minimum sines ([`Solid::sines_with`]).
+    pub(super) fn move_point_to(&mut self, v: u32, p: DVec3, sines: &[f64]) {
+        self.journal.note(Change::Moved(v, self.points[v as usize]));
+        self.points[v as usize] = p;
+        for (&t, &sine) in self.cells_at[v as usize].iter().zip(sines) {
+            self.sines[t as usize] = sine;
+            self.stamps[t as usize] = self.clock;
         }
     }
 

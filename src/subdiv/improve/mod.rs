@@ -12,22 +12,32 @@ mod valence;
 pub(super) use edge_removal::{Filling, remove_edge};
 pub(super) use quality::optimise_quality;
 
+use super::options::Mode;
 use super::solid::{Ring, Solid};
 use crate::mesh::{quality::volume, topology};
 use freedom::Freedom;
 use smooth::{GOOD, Smoother};
 
 /// Tools with their work space.
-#[derive(Default)]
 pub(super) struct Improver {
     pub(super) filling: Filling,
     smoother: Smoother,
+    /// Whether to work in parallel ([`quality::improve_interior`]), which gives other results.
+    parallel: bool,
 }
 
 impl Improver {
+    /// Tools for the given mode.
+    pub(super) fn new(mode: Mode) -> Self {
+        Self { filling: Filling::default(), smoother: Smoother::default(), parallel: mode == Mode::Best }
+    }
+
     /// Passes of edge removal and smoothing over the cells changed since `since` (and, in later passes, since the pass
     /// before), until nothing improves or `passes` are done.
     pub(super) fn improve(&mut self, solid: &mut Solid, since: u32, passes: usize) {
+        if self.parallel {
+            return quality::improve_interior(solid, since, passes, GOOD);
+        }
         let mut since = since;
         for _ in 0..passes {
             let now = solid.tick();
@@ -51,7 +61,7 @@ impl Improver {
 
     fn improve_edge(&mut self, solid: &mut Solid, edge: [u32; 2]) -> bool {
         let Some(ring) = solid.ring(edge[0], edge[1]) else { return false };
-        if !is_removable(solid, edge, &ring) {
+        if !is_removable(solid, edge, &ring, 0.0) {
             return false;
         }
         let worst = solid.worst_sine(&ring.cells);
@@ -64,18 +74,26 @@ impl Improver {
         let mut vertices: Vec<u32> = solid.cells_since(since).flat_map(|t| solid.tet(t)).collect();
         vertices.sort_unstable();
         vertices.dedup();
-        vertices.into_iter().filter(|&v| solid.is_interior(v) && self.smoother.smooth(solid, v, Freedom::Space, GOOD)).count()
+        vertices
+            .into_iter()
+            .filter(|&v| solid.is_interior(v) && self.smoother.smooth(solid, v, Freedom::Space, GOOD))
+            .count()
     }
 }
 
-/// True if the edge may go without changing the solid.
-fn is_removable(solid: &Solid, edge: [u32; 2], ring: &Ring) -> bool {
-    if ring.closed { !solid.is_crease(edge) && !solid.is_surface_edge(edge) } else { is_flat(solid, edge, ring) }
+/// True if the edge may go without changing the solid. `rounding` is the distance by which rounding may have moved
+/// vertices off their plane.
+fn is_removable(solid: &Solid, edge: [u32; 2], ring: &Ring, rounding: f64) -> bool {
+    if ring.closed {
+        !solid.is_crease(edge) && !solid.is_surface_edge(edge)
+    } else {
+        is_flat(solid, edge, ring, rounding)
+    }
 }
 
 /// True if the boundary edge may be flipped without changing the solid: its faces lie in one plane and one patch, and
 /// their quadrilateral is convex.
-fn is_flat(solid: &Solid, edge: [u32; 2], ring: &Ring) -> bool {
+fn is_flat(solid: &Solid, edge: [u32; 2], ring: &Ring, rounding: f64) -> bool {
     if solid.is_crease(edge) {
         return false;
     }
@@ -86,7 +104,7 @@ fn is_flat(solid: &Solid, edge: [u32; 2], ring: &Ring) -> bool {
     let [a, b] = edge.map(|v| solid.point(v));
     let [c, d] = [ring.vertices[0], ring.vertices[ring.vertices.len() - 1]].map(|v| solid.point(v));
     let longest = [b - a, c - a, d - a, c - b, d - b, d - c].iter().map(|e| e.length_squared()).fold(0.0, f64::max);
-    if volume([a, b, c, d]).abs() > 1e-14 * longest * longest.sqrt() {
+    if volume([a, b, c, d]).abs() > (1e-14 * longest.sqrt() + rounding) * longest {
         return false;
     }
     let normal = (c - a).cross(b - a);

@@ -19,8 +19,8 @@ use rayon::prelude::*;
 /// Steps of the smoother a visit: more of them equalise the cells at a vertex at the expense of their mean.
 const STEPS: usize = 2;
 
-/// Sweeps for the mean a pass.
-const MEAN_SWEEPS: usize = 2;
+/// Sweeps for the mean after each pass, and after the last.
+const MEAN_SWEEPS: [usize; 2] = [1, 2];
 
 /// Cells whose smallest angle is this many degrees below the target are repaired at any price.
 const REPAIR_BELOW: f64 = 6.0;
@@ -42,6 +42,8 @@ pub(super) struct Quality {
     pub(super) repair: f64,
     mean_floor: f64,
     pub(super) limit: usize,
+    /// How far rounding may have moved vertices off their planes.
+    rounding: f64,
     pub(super) freedoms: Vec<Freedom>,
     pub(super) filling: Filling,
     pub(super) smoother: Smoother,
@@ -50,38 +52,58 @@ pub(super) struct Quality {
 /// Optimises the cells changed since `since` and whatever that changes. Keeps the surface as a set of points (flat parts
 /// may get other triangles), creases, patches and regions; adds vertices, removes none.
 pub(crate) fn optimise_quality(solid: &mut Solid, since: u32, options: &Optimise) {
-    let sine = |degrees: f64| degrees.clamp(1.0, 60.0).to_radians().sin();
-    let mut run = Quality {
-        goal: sine(options.target_angle),
-        repair: sine(options.target_angle - REPAIR_BELOW),
-        mean_floor: sine(options.target_angle - MEAN_BELOW),
-        limit: options.valence_limit,
-        freedoms: freedoms(solid),
-        filling: Filling::default(),
-        smoother: Smoother::with_steps(STEPS),
-    };
-    let mut since = since;
+    let mut run = Quality::new(options, solid, freedoms(solid));
+    let start = since;
+    let mut since = start;
     for pass in 1..=options.passes {
-        since = run.pass(solid, since, pass == options.passes);
+        since = run.pass(solid, since, (pass == options.passes).then_some(start));
+    }
+}
+
+/// Edge removal and smoothing of interior vertices only, for cells with a sine below `goal`: a quick repair between the
+/// stages of a scheme.
+pub(super) fn improve_interior(solid: &mut Solid, since: u32, passes: usize, goal: f64) {
+    let still = |f| if f == Freedom::Space { f } else { Freedom::Fixed };
+    let freedoms = freedoms(solid).into_iter().map(still).collect();
+    let mut run = Quality { goal, ..Quality::new(&Optimise::default(), solid, freedoms) };
+    let mut since = since;
+    for _ in 0..passes {
+        let now = solid.tick();
+        run.remove_edges(solid, since);
+        run.smooth(solid, since);
+        since = now;
     }
 }
 
 impl Quality {
-    /// One pass over the cells changed since `since`; returns when it began.
-    fn pass(&mut self, solid: &mut Solid, since: u32, last: bool) -> u32 {
+    fn new(options: &Optimise, solid: &Solid, freedoms: Vec<Freedom>) -> Self {
+        let sine = |degrees: f64| degrees.clamp(1.0, 60.0).to_radians().sin();
+        Self {
+            goal: sine(options.target_angle),
+            repair: sine(options.target_angle - REPAIR_BELOW),
+            mean_floor: sine(options.target_angle - MEAN_BELOW),
+            limit: options.valence_limit,
+            rounding: 4.0 * f64::EPSILON * solid.largest_coordinate(),
+            freedoms,
+            filling: Filling::default(),
+            smoother: Smoother::with_steps(STEPS),
+        }
+    }
+
+    /// One pass over the cells changed since `since`; returns when it began. The last pass is told when the run started.
+    fn pass(&mut self, solid: &mut Solid, since: u32, last: Option<u32>) -> u32 {
         let now = solid.tick();
-        self.relieve(solid);
+        self.relieve(solid, last.is_none());
         self.remove_edges(solid, since);
         self.remove_faces(solid, since);
         self.smooth(solid, since);
-        if last {
+        if let Some(start) = last {
+            let mut changed = start;
             for _ in 0..REPAIRS {
-                if !self.repair_all(solid) {
-                    break;
-                }
+                changed = self.repair_since(solid, changed);
             }
         }
-        for _ in 0..MEAN_SWEEPS {
+        for _ in 0..MEAN_SWEEPS[usize::from(last.is_some())] {
             self.raise_means(solid, since);
         }
         now
@@ -93,11 +115,13 @@ impl Quality {
             self.bad_since(solid, since).flat_map(|t| topology::tet_edges(solid.tet(t))).collect();
         edges.par_sort_unstable();
         edges.dedup();
-        let goal = self.goal;
+        let (goal, rounding) = (self.goal, self.rounding);
         let worth = |filling: &mut Filling, &edge: &[u32; 2]| {
             let Some(ring) = solid.ring(edge[0], edge[1]) else { return false };
             let floor = solid.worst_sine(&ring.cells) + GAIN;
-            floor < goal && is_removable(solid, edge, &ring) && can_remove(solid, edge, &ring, floor.max(0.0), filling)
+            floor < goal
+                && is_removable(solid, edge, &ring, rounding)
+                && can_remove(solid, edge, &ring, floor.max(0.0), filling)
         };
         for edge in select(edges, worth) {
             self.improve_edge(solid, edge, |worst| worst + GAIN);
@@ -109,7 +133,7 @@ impl Quality {
         let Some(ring) = solid.ring(edge[0], edge[1]) else { return false };
         let floor = floor(solid.worst_sine(&ring.cells)).max(0.0);
         floor < self.goal
-            && is_removable(solid, edge, &ring)
+            && is_removable(solid, edge, &ring, self.rounding)
             && remove_edge(solid, edge, &ring, floor, &mut self.filling)
     }
 
@@ -145,16 +169,14 @@ impl Quality {
     {
         let movable = vertices.into_iter().filter(|&v| self.freedoms[v as usize] != Freedom::Fixed).collect();
         for class in independent_classes(solid, movable) {
-            let moves: Vec<(u32, glam::DVec3)> = {
-                let solid = &*solid;
-                let new = |smoother: &mut Smoother, v: u32| {
-                    propose(smoother, solid, v, self.freedoms[v as usize]).map(|p| (v, p))
-                };
-                let made = class.into_par_iter().with_min_len(64).map_init(|| Smoother::with_steps(STEPS), new);
-                made.collect::<Vec<_>>().into_iter().flatten().collect()
+            let mesh = &*solid;
+            let new = |smoother: &mut Smoother, v: u32| {
+                let p = propose(smoother, mesh, v, self.freedoms[v as usize])?;
+                Some((v, p, mesh.sines_with(v, p)))
             };
-            for (v, p) in moves {
-                solid.move_point(v, p);
+            let moves = class.into_par_iter().with_min_len(64).map_init(|| Smoother::with_steps(STEPS), new);
+            for (v, p, sines) in moves.collect::<Vec<_>>().into_iter().flatten() {
+                solid.move_point_to(v, p, &sines);
             }
         }
     }

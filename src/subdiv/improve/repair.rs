@@ -17,22 +17,22 @@ const GAIN: f64 = 0.01;
 const AHEAD: f64 = 0.15;
 
 impl Quality {
-    /// Tries to repair each bad cell, the worst first; true if any was repaired.
-    pub(super) fn repair_all(&mut self, solid: &mut Solid) -> bool {
+    /// Tries to repair each bad cell changed since `since`, the worst first; returns when it began.
+    pub(super) fn repair_since(&mut self, solid: &mut Solid, since: u32) -> u32 {
+        let now = solid.tick();
         let mut bad: Vec<(u32, f64, [u32; 4])> = solid
-            .live_cells()
+            .cells_since(since)
             .map(|t| (t, solid.sine(t), solid.tet(t)))
             .filter(|(_, sine, _)| *sine < self.repair)
             .collect();
         bad.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
-        let mut repaired = false;
         for (t, _, tet) in bad {
             // Repairs of its neighbours may have changed or removed it.
             if solid.tet(t) == tet && solid.sine(t) < self.repair {
-                repaired |= self.split_edges(solid, t) || self.insert(solid, t);
+                let _ = self.split_edges(solid, t) || self.insert(solid, t);
             }
         }
-        repaired
+        now
     }
 
     /// Splits an edge of the cell, the longest that helps. Creases are left to the scheme.

@@ -90,14 +90,7 @@ impl Smoother {
     }
 
     /// Maximises the worst sine from position `p`; returns the best position found and its worst sine.
-    fn optimise(
-        &mut self,
-        solid: &Solid,
-        v: u32,
-        freedom: Freedom,
-        mut p: DVec3,
-        mut worst: f64,
-    ) -> (DVec3, f64) {
+    fn optimise(&mut self, solid: &Solid, v: u32, freedom: Freedom, mut p: DVec3, mut worst: f64) -> (DVec3, f64) {
         let scale =
             self.neighbours.iter().map(|&w| (solid.point(w) - p).length_squared()).fold(f64::INFINITY, f64::min);
         // Sines change by about one over an edge length, so t in squared lengths gives steps in lengths.

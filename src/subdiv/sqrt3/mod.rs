@@ -46,7 +46,7 @@ pub(super) fn refine(
     let old = OldMesh::new(mesh, history, &selected);
     let mut solid = Solid::new(mesh);
     let start = solid.tick();
-    let mut improver = Improver::default();
+    let mut improver = Improver::new(options.optimise.mode);
 
     split_cells(&mut solid, &selected);
     let mut faces = flip::flip_faces(&mut solid, &old);
