@@ -61,7 +61,7 @@ proptest! {
         let (mesh, _) = refined(scheme, regions, |t| red || random(t as u64) % 3 > 0);
         let weights: Vec<f64> = (0..mesh.points().len()).map(|v| 1.0 + (random(v as u64) % 100) as f64).collect();
         // TetMesh::new inside checks that all cells are positive and the boundary is complete.
-        let optimised = subdiv::optimise(&mesh, &weights, 3).unwrap();
+        let optimised = subdiv::optimise_error(&mesh, &weights, 3).unwrap();
         prop_assert!(weighted_cost(&optimised, &weights) < weighted_cost(&mesh, &weights));
         for (old, new) in measures(&mesh).into_iter().zip(measures(&optimised)) {
             prop_assert!((old - new).abs() < 1e-12 * old, "{} {}", old, new);
@@ -75,7 +75,8 @@ proptest! {
 fn the_same_input_gives_the_same_mesh_and_weights_move_vertices_where_they_are_large() {
     let (mesh, _) = refined(Scheme::Red, false, |_| true);
     let weights: Vec<f64> = mesh.points().iter().map(|p| if p.x < 0.5 { 100.0 } else { 1.0 }).collect();
-    let (a, b) = (subdiv::optimise(&mesh, &weights, 3).unwrap(), subdiv::optimise(&mesh, &weights, 3).unwrap());
+    let (a, b) =
+        (subdiv::optimise_error(&mesh, &weights, 3).unwrap(), subdiv::optimise_error(&mesh, &weights, 3).unwrap());
     assert_eq!((a.tets(), a.points()), (b.tets(), b.points()));
     let left = |m: &TetMesh| m.points().iter().map(|p| p.x).sum::<f64>();
     assert!(left(&a) < left(&mesh), "vertices gather where the weights are large");
@@ -97,6 +98,6 @@ fn linear_fields_are_carried_over_exactly_and_wrong_lengths_are_refused() {
             let (low, high) = parents.iter().fold((f64::MAX, f64::MIN), |(l, h), p| (l.min(*p), h.max(*p)));
             assert!((low..=high).contains(value), "a mean lies between its parents");
         }
-        assert!(subdiv::optimise(&mesh, &field, 1).is_err());
+        assert!(subdiv::optimise_error(&mesh, &field, 1).is_err());
     }
 }

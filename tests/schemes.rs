@@ -21,6 +21,8 @@ const OPTIMISE: Optimise = Optimise {
     mode: subsolid::subdiv::options::Mode::Paper,
     objective: subsolid::subdiv::options::Objective::Quality,
     passes: 3,
+    target_angle: 32.0,
+    valence_limit: 50,
 };
 
 fn unit_box(n: usize) -> TetMesh {

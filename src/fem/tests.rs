@@ -164,7 +164,7 @@ fn constant_after_two_steps(scheme: Scheme, optimised: bool) -> f64 {
         let refined = subdiv::refine(&mesh, &history, &all, &Options { scheme, ..Options::default() }).unwrap();
         (mesh, history) = (refined.mesh, refined.history);
         if optimised {
-            mesh = subdiv::optimise(&mesh, &vec![1.0; mesh.points().len()], 3).unwrap();
+            mesh = subdiv::optimise_error(&mesh, &vec![1.0; mesh.points().len()], 3).unwrap();
         }
     }
     smooth_cube_error_on(&mesh, 0.3) * (3.0 * mesh.points().len() as f64).cbrt()

@@ -92,7 +92,7 @@ fn refine(step: &Step<'_>, history: &History, plan: &Plan<'_>) -> Result<Refined
     if options.optimise.mode == Mode::Best && options.optimise.objective == Objective::Error {
         let weights = subdiv::vertex_weights(step.mesh, &step.analysed.errors.squared);
         let weights = subdiv::carry_over(&weights, &refined.transfer);
-        refined.mesh = subdiv::optimise(&refined.mesh, &weights, options.optimise.passes)?;
+        refined.mesh = subdiv::optimise_error(&refined.mesh, &weights, options.optimise.passes)?;
     }
     Ok(refined)
 }

@@ -238,7 +238,7 @@ fn refine(raw: Option<RawRefine>, warnings: &mut Vec<String>) -> Checked<Refine>
 fn optimise(raw: &RawOptimise) -> Checked<Optimise> {
     let passes = raw.passes.as_ref().map(|n| integer(n, 1..=100)).transpose()?.unwrap_or(3);
     let mode = raw.mode.unwrap_or(Mode::Best);
-    Ok(Optimise { mode, objective: raw.objective.unwrap_or(Objective::Error), passes })
+    Ok(Optimise { mode, objective: raw.objective.unwrap_or(Objective::Error), passes, ..Optimise::default() })
 }
 
 /// The name of a boundary rule that moves the surface.

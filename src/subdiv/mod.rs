@@ -8,7 +8,7 @@ mod solid;
 mod sqrt3;
 
 use crate::mesh::{MeshError, TetMesh};
-use options::{Options, Scheme};
+use options::{Optimise, Options, Scheme};
 use solid::Solid;
 
 pub use improve::error::{cost as cell_cost, vertex_weights};
@@ -89,6 +89,17 @@ pub struct Info {
     pub worst_sine: f64,
 }
 
+/// Optimises a whole mesh for its dihedral angles ([`options::Objective::Quality`]), whatever made it. Vertices keep
+/// their numbers; the solid, its regions, groups and creases stay.
+///
+/// # Errors
+/// [`MeshError`] if the result would not be a valid mesh.
+pub fn optimise_quality(mesh: &TetMesh, options: &Optimise) -> Result<TetMesh, MeshError> {
+    let mut solid = Solid::new(mesh);
+    improve::optimise_quality(&mut solid, 0, options);
+    solid.finish()
+}
+
 /// Refines the selected cells (`selected[t]` for each cell of `mesh`) by one step of `options.scheme`. `history` is
 /// [`History::default`] for a mesh that was read or generated, and what the step before gave otherwise.
 ///
@@ -106,17 +117,17 @@ pub fn refine(mesh: &TetMesh, history: &History, selected: &[bool], options: &Op
     }
 }
 
-/// The mesh optimised for analysis, by weighted interpolation error (see [`Objective::Error`]). `weights` has a positive
+/// The mesh optimised for analysis, by weighted interpolation error (see [`options::Objective::Error`]). `weights` has a positive
 /// entry for each vertex, such as [`vertex_weights`] gives; equal entries where nothing is known.
 ///
 /// # Errors
 /// [`MeshError::Inconsistent`] if there is not one weight a vertex.
-pub fn optimise(mesh: &TetMesh, weights: &[f64], passes: usize) -> Result<TetMesh, MeshError> {
+pub fn optimise_error(mesh: &TetMesh, weights: &[f64], passes: usize) -> Result<TetMesh, MeshError> {
     if weights.len() != mesh.points().len() {
         let (got, want) = (weights.len(), mesh.points().len());
         return Err(MeshError::Inconsistent(format!("{got} weights for {want} vertices")));
     }
     let mut solid = Solid::new(mesh);
-    improve::error::optimise(&mut solid, weights, passes);
+    improve::error::optimise_error(&mut solid, weights, passes);
     solid.finish()
 }

@@ -57,11 +57,16 @@ pub struct Optimise {
     pub objective: Objective,
     /// Passes at most.
     pub passes: usize,
+    /// Dihedral angle in degrees up to which [`Objective::Quality`] improves a cell: those with no smaller sine than
+    /// that of this angle are left alone.
+    pub target_angle: f64,
+    /// Most cells at a vertex that [`Objective::Quality`] puts up with, where it can help it.
+    pub valence_limit: usize,
 }
 
 impl Default for Optimise {
     fn default() -> Self {
-        Self { mode: Mode::Paper, objective: Objective::Quality, passes: 3 }
+        Self { mode: Mode::Paper, objective: Objective::Quality, passes: 3, target_angle: 32.0, valence_limit: 50 }
     }
 }
 

@@ -5,7 +5,10 @@
 
 use super::Stencil;
 use crate::mesh::{Crease, Face, MeshError, PatchId, RegionId, TetMesh, TetMeshParts, quality, topology};
+mod journal;
+
 use glam::DVec3;
+use journal::{Change, Journal};
 use rustc_hash::FxHashMap;
 
 /// Marks a free slot.
@@ -47,7 +50,7 @@ pub(super) struct Solid {
     creases: FxHashMap<[u32; 2], bool>,
     /// Vertices on a crease, and corners.
     pinned: Vec<bool>,
-    corners: Vec<bool>,
+    journal: Journal,
     rest: TetMeshParts,
 }
 
@@ -81,7 +84,7 @@ impl Solid {
             faces_at: vec![Vec::new(); count],
             creases: mesh.creases().iter().map(|c| (c.vertices, c.feature)).collect(),
             pinned: vec![false; count],
-            corners: vec![false; count],
+            journal: Journal::default(),
             rest: TetMeshParts { points: Vec::new(), tets: Vec::new(), ..mesh.clone().into_parts() },
         };
         for (t, &tet) in mesh.tets().iter().enumerate() {
@@ -95,9 +98,6 @@ impl Solid {
         }
         for v in mesh.creases().iter().flat_map(|c| c.vertices).chain(mesh.corners().iter().copied()) {
             solid.pinned[v as usize] = true;
-        }
-        for &v in mesh.corners() {
-            solid.corners[v as usize] = true;
         }
         solid
     }
@@ -180,19 +180,34 @@ impl Solid {
         self.faces_at[v as usize].is_empty() && !self.pinned[v as usize]
     }
 
-    /// True if `v` is on a crease or a corner.
-    pub(super) fn is_pinned(&self, v: u32) -> bool {
-        self.pinned[v as usize]
+    /// Number of vertices.
+    pub(super) fn point_count(&self) -> usize {
+        self.points.len()
     }
 
-    /// True if `v` may never move.
-    pub(super) fn is_corner(&self, v: u32) -> bool {
-        self.corners[v as usize]
+    /// Largest absolute value of a coordinate.
+    pub(super) fn largest_coordinate(&self) -> f64 {
+        self.points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max)
     }
 
     /// Boundary and interface faces at vertex `v`.
     pub(super) fn faces_at(&self, v: u32) -> impl Iterator<Item = &Face> {
         self.faces_at[v as usize].iter().map(|&f| &self.faces[f as usize])
+    }
+
+    /// The creases, in no order.
+    pub(super) fn crease_edges(&self) -> impl Iterator<Item = [u32; 2]> {
+        self.creases.keys().copied()
+    }
+
+    /// True if the vertex is on a crease or a corner.
+    pub(super) fn is_pinned(&self, v: u32) -> bool {
+        self.pinned[v as usize]
+    }
+
+    /// True if the vertex is tagged as a corner.
+    pub(super) fn is_corner(&self, v: u32) -> bool {
+        self.rest.corners.binary_search(&v).is_ok()
     }
 
     /// True if the edge is tagged as a crease.
@@ -257,7 +272,6 @@ impl Solid {
         self.cells_at.push(Vec::new());
         self.faces_at.push(Vec::new());
         self.pinned.push(false);
-        self.corners.push(false);
         self.points.len() as u32 - 1
     }
 
@@ -281,6 +295,7 @@ impl Solid {
         for v in tet {
             self.cells_at[v as usize].push(slot);
         }
+        self.journal.note(Change::CellAdded(slot));
         slot
     }
 
@@ -292,6 +307,7 @@ impl Solid {
         }
         self.tets[t as usize] = [DEAD; 4];
         self.free.push(t);
+        self.journal.note(Change::CellRemoved(tet, self.tag(t)));
         (tet, self.tag(t))
     }
 
@@ -322,6 +338,7 @@ impl Solid {
         for v in face.vertices {
             self.faces_at[v as usize].push(slot);
         }
+        self.journal.note(Change::FaceAdded(face.vertices));
     }
 
     /// Removes the surface face with these vertices (in any order); `None` if there is none.
@@ -338,6 +355,7 @@ impl Solid {
         }
         self.faces[slot as usize].vertices = [DEAD; 3];
         self.free_faces.push(slot);
+        self.journal.note(Change::FaceRemoved(face));
         Some(face)
     }
 
@@ -367,8 +385,25 @@ impl Solid {
         }
     }
 
+    /// Minimum sines of the cells at `v`, in the order of [`Solid::cells_at`], if it were at `p`.
+    pub(super) fn sines_with(&self, v: u32, p: DVec3) -> smallvec::SmallVec<[f64; 32]> {
+        let corner = |w| if w == v { p } else { self.point(w) };
+        self.cells_at(v).iter().map(|&t| quality::min_sine(self.tet(t).map(corner))).collect()
+    }
+
+    /// Moves vertex `v` to where its cells have these minimum sines ([`Solid::sines_with`]).
+    pub(super) fn move_point_to(&mut self, v: u32, p: DVec3, sines: &[f64]) {
+        self.journal.note(Change::Moved(v, self.points[v as usize]));
+        self.points[v as usize] = p;
+        for (&t, &sine) in self.cells_at[v as usize].iter().zip(sines) {
+            self.sines[t as usize] = sine;
+            self.stamps[t as usize] = self.clock;
+        }
+    }
+
     /// Moves vertex `v`.
     pub(super) fn move_point(&mut self, v: u32, p: DVec3) {
+        self.journal.note(Change::Moved(v, self.points[v as usize]));
         self.points[v as usize] = p;
         for i in 0..self.cells_at[v as usize].len() {
             let t = self.cells_at[v as usize][i];

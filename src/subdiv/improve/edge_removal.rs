@@ -12,14 +12,17 @@ use glam::DVec3;
 /// Rings longer than this are left alone: the dynamic program is cubic.
 const LONGEST_RING: usize = 32;
 
+/// Cost and minimum sine of a cell of these vertices and positions; `None` if it is not positive.
+pub(crate) type CellPrice<'a> = dyn Fn([u32; 4], [DVec3; 4]) -> Option<(f64, f64)> + 'a;
+
 /// What makes one filling better than another.
 pub(crate) enum Measure<'a> {
     /// The worst sine is as large as possible, and above this.
     BestWorst(f64),
     /// The sum of a cost over the cells is as small as possible and below a bound, no sine below a floor.
     LeastSum {
-        /// Cost and minimum sine of a cell of these vertices and positions; `None` if it is not positive.
-        cost: &'a dyn Fn([u32; 4], [DVec3; 4]) -> Option<(f64, f64)>,
+        /// Cost of a cell.
+        cost: &'a CellPrice<'a>,
         /// Bound on the sum.
         below: f64,
         /// Floor under the sines.
@@ -131,19 +134,12 @@ pub(crate) fn remove_edge(
     measure: &Measure<'_>,
     filling: &mut Filling,
 ) -> bool {
+    if !can_remove(solid, edge, ring, measure, filling) {
+        return false;
+    }
     let [a, b] = edge;
     let link = &ring.vertices;
-    let tag = solid.tag(ring.cells[0]);
-    if ring.cells.iter().any(|&t| solid.tag(t).region != tag.region) {
-        return false;
-    }
-    if !ring.closed && !chord_is_free(solid, edge, link) {
-        return false;
-    }
-    if !filling.solve(solid, edge, link, measure) {
-        return false;
-    }
-    let mut tag = tag;
+    let mut tag = solid.tag(ring.cells[0]);
     for &t in &ring.cells {
         tag.level = tag.level.max(solid.tag(t).level);
         solid.remove_cell(t);
@@ -157,6 +153,20 @@ pub(crate) fn remove_edge(
         flip_surface(solid, edge, link[0], link[link.len() - 1]);
     }
     true
+}
+
+/// Finds the filling by which [`remove_edge`] would remove the edge; true if there is one.
+pub(super) fn can_remove(
+    solid: &Solid,
+    edge: [u32; 2],
+    ring: &Ring,
+    measure: &Measure<'_>,
+    filling: &mut Filling,
+) -> bool {
+    let region = solid.tag(ring.cells[0]).region;
+    ring.cells.iter().all(|&t| solid.tag(t).region == region)
+        && (ring.closed || chord_is_free(solid, edge, &ring.vertices))
+        && filling.solve(solid, edge, &ring.vertices, measure)
 }
 
 /// A boundary edge may be replaced by the chord if the chord is not an edge yet and both ends keep at least two cells.

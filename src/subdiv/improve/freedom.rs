@@ -1,84 +1,107 @@
-//! Where a vertex may go without changing the solid or its features.
+//! Where a vertex may go without changing the solid: anywhere inside, in its plane on a flat part of the surface, along
+//! its line on a straight crease.
 
 use super::super::solid::Solid;
 use glam::{DMat3, DVec3};
 
-/// Sine of the angle between faces that count as one plane, and between creases that count as one line.
-const FLAT: f64 = 1e-10;
+/// Faces whose normals differ by less than this (radians) are one plane. Rounding in mesh files tilts nominally flat
+/// faces by up to 2e-4; on exactly flat ones nothing moves out of the plane whatever the tolerance.
+const FLAT: f64 = 3e-4;
 
-/// The displacements a vertex is free to make.
+/// Creases whose directions differ by less than this (radians) are one line: lengths then keep to its square.
+const STRAIGHT: f64 = 1e-8;
+
+/// The directions in which a vertex may move.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Freedom {
-    /// None: a corner, or a vertex of a curved surface or crease.
-    Fixed,
-    /// Along a straight crease between plane faces; a unit vector.
-    Line(DVec3),
-    /// In a plane part of the surface; its unit normal.
+pub(crate) enum Freedom {
+    /// All of them.
+    Space,
+    /// Those at right angles to this unit normal.
     Plane(DVec3),
-    /// All: no surface passes through it.
-    Free,
+    /// Along this unit vector.
+    Line(DVec3),
+    /// None.
+    Fixed,
 }
 
 impl Freedom {
-    /// The freedom of vertex `v`.
-    pub(super) fn of(solid: &Solid, v: u32) -> Self {
-        if solid.is_interior(v) {
-            return Self::Free;
-        }
-        if solid.is_corner(v) {
-            return Self::Fixed;
-        }
-        let mut normals = Vec::new();
-        let mut creases: Vec<(u32, DVec3)> = Vec::new();
-        let start = solid.point(v);
-        for face in solid.faces_at(v) {
-            let [a, b, c] = face.vertices.map(|w| solid.point(w));
-            normals.push((b - a).cross(c - a).normalize_or_zero());
-            for w in face.vertices.into_iter().filter(|&w| w != v && solid.is_crease([v, w])) {
-                if creases.iter().all(|(other, _)| *other != w) {
-                    creases.push((w, (solid.point(w) - start).normalize_or_zero()));
-                }
-            }
-        }
-        match creases[..] {
-            [] if solid.is_pinned(v) => Self::Fixed,
-            [] => plane(&normals),
-            [(_, d), (_, e)] if d.cross(e).length() < FLAT && d.dot(e) < 0.0 => line(d, &normals),
-            _ => Self::Fixed,
-        }
-    }
-
-    /// The part of a vector that is free.
-    pub(super) fn project(self, d: DVec3) -> DVec3 {
+    /// The part of a displacement that is allowed.
+    pub(crate) fn project(self, d: DVec3) -> DVec3 {
         match self {
-            Self::Fixed => DVec3::ZERO,
-            Self::Line(u) => u * u.dot(d),
+            Self::Space => d,
             Self::Plane(n) => d - n * n.dot(d),
-            Self::Free => d,
+            Self::Line(u) => u * u.dot(d),
+            Self::Fixed => DVec3::ZERO,
         }
     }
 
-    /// The matrix of the projection onto what is not free.
-    pub(super) fn complement(self) -> DMat3 {
+    /// The matrix of the projection onto what is not allowed.
+    pub(crate) fn complement(self) -> DMat3 {
         let outer = |u: DVec3| DMat3::from_cols(u * u.x, u * u.y, u * u.z);
         match self {
-            Self::Fixed => DMat3::IDENTITY,
-            Self::Line(u) => DMat3::IDENTITY - outer(u),
+            Self::Space => DMat3::ZERO,
             Self::Plane(n) => outer(n),
-            Self::Free => DMat3::ZERO,
+            Self::Line(u) => DMat3::IDENTITY - outer(u),
+            Self::Fixed => DMat3::IDENTITY,
         }
     }
 }
 
-/// The freedom of a surface vertex off the creases.
-fn plane(normals: &[DVec3]) -> Freedom {
-    match normals.first() {
-        Some(&n) if normals.iter().all(|m| n.cross(*m).length() < FLAT) => Freedom::Plane(n),
+/// The freedom of every vertex.
+pub(crate) fn freedoms(solid: &Solid) -> Vec<Freedom> {
+    let creases = crease_directions(solid);
+    let count = solid.point_count() as u32;
+    let of = |v: u32| {
+        let ends = creases.partition_point(|c| c.0 < v)..creases.partition_point(|c| c.0 <= v);
+        let directions: Vec<DVec3> = creases[ends].iter().map(|c| c.2).collect();
+        freedom(solid, v, &directions)
+    };
+    (0..count).map(of).collect()
+}
+
+/// The freedom of vertex `v`, given the unit directions of the creases at it.
+pub(crate) fn freedom(solid: &Solid, v: u32, creases: &[DVec3]) -> Freedom {
+    if solid.is_interior(v) {
+        return Freedom::Space;
+    }
+    let mut normals = Vec::new();
+    let mut patch = None;
+    let mut one_patch = true;
+    for face in solid.faces_at(v) {
+        let [a, b, c] = face.vertices.map(|w| solid.point(w));
+        normals.push((b - a).cross(c - a).normalize_or_zero());
+        one_patch &= *patch.get_or_insert(face.patch) == face.patch;
+    }
+    match creases {
+        [] if solid.is_pinned(v) || !one_patch => Freedom::Fixed,
+        [] => plane(&normals),
+        [d, e] if !solid.is_corner(v) && !normals.is_empty() => line(*d, *e, &normals),
         _ => Freedom::Fixed,
     }
 }
 
-/// The freedom of a vertex on a straight crease: the planes of all faces at it must contain the line.
-fn line(direction: DVec3, normals: &[DVec3]) -> Freedom {
-    if normals.iter().all(|n| n.dot(direction).abs() < FLAT) { Freedom::Line(direction) } else { Freedom::Fixed }
+/// The common plane of the normals, each of them with either sign.
+fn plane(normals: &[DVec3]) -> Freedom {
+    let Some(&first) = normals.first() else { return Freedom::Fixed };
+    let sum: DVec3 = normals.iter().map(|n| *n * n.dot(first).signum()).sum();
+    let mean = sum.normalize_or_zero();
+    let flat = normals.iter().all(|n| n.cross(mean).length() < FLAT && *n != DVec3::ZERO);
+    if flat { Freedom::Plane(mean) } else { Freedom::Fixed }
+}
+
+/// The common line of two creases, if it lies in all the faces.
+fn line(d: DVec3, e: DVec3, normals: &[DVec3]) -> Freedom {
+    let straight = d.cross(e).length() < STRAIGHT && d.dot(e) < 0.0;
+    let along = (d - e).normalize_or_zero();
+    // Every face contains the line, and those on one side of it form one plane: at most as many planes as faces at a crease.
+    let in_faces = normals.iter().all(|n| n.dot(along).abs() < FLAT);
+    if straight && in_faces { Freedom::Line(along) } else { Freedom::Fixed }
+}
+
+/// (vertex, other end, unit direction) of every crease, from both its ends, sorted.
+fn crease_directions(solid: &Solid) -> Vec<(u32, u32, DVec3)> {
+    let mut ends: Vec<(u32, u32)> = solid.crease_edges().flat_map(|[a, b]| [(a, b), (b, a)]).collect();
+    ends.sort_unstable();
+    let direction = |(a, b)| (a, b, (solid.point(b) - solid.point(a)).normalize_or_zero());
+    ends.into_iter().map(direction).collect()
 }

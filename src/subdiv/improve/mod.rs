@@ -4,26 +4,44 @@ mod edge_removal;
 pub(super) mod error;
 mod face_flip;
 mod freedom;
+mod mean;
+mod multi_face;
+mod parallel;
+mod quality;
+mod repair;
 mod smooth;
+mod valence;
 
 pub(super) use edge_removal::{Filling, Measure, remove_edge};
 pub(super) use face_flip::FaceFlip;
+pub(super) use quality::optimise_quality;
 
+use super::options::Mode;
 use super::solid::{Ring, Solid};
-use crate::mesh::{quality, topology};
-use smooth::Smoother;
+use crate::mesh::{quality::volume, topology};
+use freedom::Freedom;
+use smooth::{GOOD, Smoother};
 
 /// Tools with their work space.
-#[derive(Default)]
 pub(super) struct Improver {
     pub(super) filling: Filling,
     smoother: Smoother,
+    /// Whether to work in parallel ([`quality::improve_interior`]), which gives other results.
+    parallel: bool,
 }
 
 impl Improver {
+    /// Tools for the given mode.
+    pub(super) fn new(mode: Mode) -> Self {
+        Self { filling: Filling::default(), smoother: Smoother::default(), parallel: mode == Mode::Best }
+    }
+
     /// Passes of edge removal and smoothing over the cells changed since `since` (and, in later passes, since the pass
     /// before), until nothing improves or `passes` are done.
     pub(super) fn improve(&mut self, solid: &mut Solid, since: u32, passes: usize) {
+        if self.parallel {
+            return quality::improve_interior(solid, since, passes, GOOD);
+        }
         let mut since = since;
         for _ in 0..passes {
             let now = solid.tick();
@@ -47,12 +65,7 @@ impl Improver {
 
     fn improve_edge(&mut self, solid: &mut Solid, edge: [u32; 2]) -> bool {
         let Some(ring) = solid.ring(edge[0], edge[1]) else { return false };
-        let removable = if ring.closed {
-            !solid.is_crease(edge) && !solid.is_surface_edge(edge)
-        } else {
-            is_flat(solid, edge, &ring)
-        };
-        if !removable {
+        if !is_removable(solid, edge, &ring, 0.0) {
             return false;
         }
         let worst = solid.worst_sine(&ring.cells);
@@ -65,29 +78,36 @@ impl Improver {
         let mut vertices: Vec<u32> = solid.cells_since(since).flat_map(|t| solid.tet(t)).collect();
         vertices.sort_unstable();
         vertices.dedup();
-        vertices.into_iter().filter(|&v| solid.is_interior(v) && self.smoother.smooth(solid, v)).count()
+        vertices
+            .into_iter()
+            .filter(|&v| solid.is_interior(v) && self.smoother.smooth(solid, v, Freedom::Space, GOOD))
+            .count()
     }
 }
 
-/// True if an edge with a closed ring may be removed: it is no crease and lies in no surface.
-fn is_removable(solid: &Solid, edge: [u32; 2]) -> bool {
-    !solid.is_crease(edge) && !solid.is_surface_edge(edge)
+/// The other corners of a cell in an order that makes (v, rest) an even reordering.
+fn rest_of(tet: [u32; 4], v: u32) -> [u32; 3] {
+    match tet.iter().position(|&w| w == v) {
+        Some(0) => [tet[1], tet[2], tet[3]],
+        Some(1) => [tet[0], tet[3], tet[2]],
+        Some(2) => [tet[0], tet[1], tet[3]],
+        _ => [tet[0], tet[2], tet[1]],
+    }
 }
 
-/// The other vertices of a cell at `v`, in an order that makes (v, p, q, r) positive.
-fn rest_of(tet: [u32; 4], v: u32) -> [u32; 3] {
-    let [a, b, c, d] = tet;
-    match tet.iter().position(|&w| w == v) {
-        Some(0) => [b, c, d],
-        Some(1) => [a, d, c],
-        Some(2) => [a, b, d],
-        _ => [a, c, b],
+/// True if the edge may go without changing the solid. `rounding` is the distance by which rounding may have moved
+/// vertices off their plane.
+fn is_removable(solid: &Solid, edge: [u32; 2], ring: &Ring, rounding: f64) -> bool {
+    if ring.closed {
+        !solid.is_crease(edge) && !solid.is_surface_edge(edge)
+    } else {
+        is_flat(solid, edge, ring, rounding)
     }
 }
 
 /// True if the boundary edge may be flipped without changing the solid: its faces lie in one plane and one patch, and
 /// their quadrilateral is convex.
-fn is_flat(solid: &Solid, edge: [u32; 2], ring: &Ring) -> bool {
+fn is_flat(solid: &Solid, edge: [u32; 2], ring: &Ring, rounding: f64) -> bool {
     if solid.is_crease(edge) {
         return false;
     }
@@ -98,7 +118,7 @@ fn is_flat(solid: &Solid, edge: [u32; 2], ring: &Ring) -> bool {
     let [a, b] = edge.map(|v| solid.point(v));
     let [c, d] = [ring.vertices[0], ring.vertices[ring.vertices.len() - 1]].map(|v| solid.point(v));
     let longest = [b - a, c - a, d - a, c - b, d - b, d - c].iter().map(|e| e.length_squared()).fold(0.0, f64::max);
-    if quality::volume([a, b, c, d]).abs() > 1e-14 * longest * longest.sqrt() {
+    if volume([a, b, c, d]).abs() > (1e-14 * longest.sqrt() + rounding) * longest {
         return false;
     }
     let normal = (c - a).cross(b - a);

@@ -6,6 +6,7 @@
 //! there are sines near the smallest. The step length t adapts to how well the linear model predicts.
 
 use super::super::solid::Solid;
+use super::freedom::Freedom;
 use glam::DVec3;
 
 /// Cells whose worst sine is above this are good enough (the paper's quality level).
@@ -19,40 +20,61 @@ const STEPS: usize = 8;
 
 /// A sine and its gradient with respect to the moving vertex.
 #[derive(Clone, Copy)]
-struct Piece {
-    sine: f64,
-    gradient: DVec3,
+pub(super) struct Piece {
+    pub(super) sine: f64,
+    pub(super) gradient: DVec3,
 }
 
-/// Work space, kept between calls.
-#[derive(Default)]
+/// The most bundle steps a vertex, and work space kept between calls.
 pub(crate) struct Smoother {
+    steps: usize,
     pieces: Vec<Piece>,
     weights: Vec<f64>,
     neighbours: Vec<u32>,
 }
 
+impl Default for Smoother {
+    fn default() -> Self {
+        Self::with_steps(STEPS)
+    }
+}
+
 impl Smoother {
-    /// Moves an interior vertex if that improves its worst cell; returns whether it moved.
-    pub(crate) fn smooth(&mut self, solid: &mut Solid, v: u32) -> bool {
+    /// A smoother that takes at most so many bundle steps a vertex.
+    pub(crate) fn with_steps(steps: usize) -> Self {
+        Self { steps, pieces: Vec::new(), weights: Vec::new(), neighbours: Vec::new() }
+    }
+
+    /// Moves a vertex within its freedom if its worst cell is not better than `good` and that improves it; returns
+    /// whether it moved.
+    pub(crate) fn smooth(&mut self, solid: &mut Solid, v: u32, freedom: Freedom, good: f64) -> bool {
+        let better = self.better(solid, v, freedom, good);
+        if let Some(p) = better {
+            solid.move_point(v, p);
+        }
+        better.is_some()
+    }
+
+    /// The position that [`Smoother::smooth`] would move the vertex to.
+    pub(crate) fn better(&mut self, solid: &Solid, v: u32, freedom: Freedom, good: f64) -> Option<DVec3> {
         let start = solid.point(v);
         let old = solid.worst_sine(solid.cells_at(v));
-        if old > GOOD {
-            return false;
+        if old > good || freedom == Freedom::Fixed {
+            return None;
         }
         let (mut p, mut worst) = (start, old);
-        let mean = self.neighbour_mean(solid, v);
+        let mean = match freedom {
+            Freedom::Space => self.neighbour_mean(solid, v),
+            _ => start + freedom.project(self.neighbour_mean(solid, v) - start),
+        };
         let laplacian = solid.worst_sine_with(v, mean, worst);
         if laplacian > worst {
             (p, worst) = (mean, laplacian);
         }
-        if worst <= GOOD {
-            (p, worst) = self.optimise(solid, v, p, worst);
+        if worst <= good {
+            (p, worst) = self.optimise(solid, v, freedom, p, worst);
         }
-        if worst > old {
-            solid.move_point(v, p);
-        }
-        worst > old
+        (worst > old).then_some(p)
     }
 
     /// Mean of the vertices joined to `v`, summed in ascending order.
@@ -68,13 +90,13 @@ impl Smoother {
     }
 
     /// Maximises the worst sine from position `p`; returns the best position found and its worst sine.
-    fn optimise(&mut self, solid: &Solid, v: u32, mut p: DVec3, mut worst: f64) -> (DVec3, f64) {
+    fn optimise(&mut self, solid: &Solid, v: u32, freedom: Freedom, mut p: DVec3, mut worst: f64) -> (DVec3, f64) {
         let scale =
             self.neighbours.iter().map(|&w| (solid.point(w) - p).length_squared()).fold(f64::INFINITY, f64::min);
         // Sines change by about one over an edge length, so t in squared lengths gives steps in lengths.
         let mut t = 0.1 * scale;
-        self.collect(solid, v, p, worst);
-        for _ in 0..STEPS {
+        self.collect(solid, v, freedom, p, worst);
+        for _ in 0..self.steps {
             let (d, predicted) = self.bundle_step(t);
             if predicted - worst < 1e-3 {
                 break;
@@ -85,7 +107,7 @@ impl Smoother {
             if actual > needed {
                 (p, worst) = (q, actual);
                 t *= 2.0;
-                self.collect(solid, v, p, worst);
+                self.collect(solid, v, freedom, p, worst);
             } else {
                 t *= 0.25;
             }
@@ -94,16 +116,16 @@ impl Smoother {
     }
 
     /// Collects the sines within the margin of the smallest, with their gradients.
-    fn collect(&mut self, solid: &Solid, v: u32, p: DVec3, worst: f64) {
+    fn collect(&mut self, solid: &Solid, v: u32, freedom: Freedom, p: DVec3, worst: f64) {
         self.pieces.clear();
         for &t in solid.cells_at(v) {
             if solid.sine(t) > worst + 2.0 * MARGIN {
                 continue;
             }
-            let tet = solid.tet(t);
-            let rest = super::rest_of(tet, v);
+            let rest = super::rest_of(solid.tet(t), v);
             let candidates = sines_with_gradients(p, rest.map(|w| solid.point(w)));
-            self.pieces.extend(candidates.into_iter().filter(|c| c.sine < worst + MARGIN));
+            let near = candidates.into_iter().filter(|c| c.sine < worst + MARGIN);
+            self.pieces.extend(near.map(|c| Piece { gradient: freedom.project(c.gradient), ..c }));
         }
     }
 
@@ -147,6 +169,12 @@ impl Smoother {
         let predicted = self.pieces.iter().map(|c| c.sine + t * c.gradient.dot(sum)).fold(f64::INFINITY, f64::min);
         (t * sum, predicted)
     }
+}
+
+/// The smallest of the sines of the positive cell (x, rest).
+pub(super) fn least_piece(x: DVec3, rest: [DVec3; 3]) -> Piece {
+    let pieces = sines_with_gradients(x, rest);
+    pieces.into_iter().fold(pieces[0], |least, piece| if piece.sine < least.sine { piece } else { least })
 }
 
 /// The six dihedral sines of the positive cell (x, p, q, r) and their gradients with respect to x.

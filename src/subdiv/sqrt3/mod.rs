@@ -9,8 +9,8 @@ mod flip;
 mod interpolate;
 mod surface;
 
-use super::improve::Improver;
-use super::options::{Boundary, Options};
+use super::improve::{Improver, optimise_quality};
+use super::options::{Boundary, Mode, Objective, Optimise, Options};
 use super::solid::Solid;
 use super::{Info, Refined, Stencil};
 use crate::mesh::{MeshError, TetMesh, topology};
@@ -47,7 +47,7 @@ pub(super) fn refine(
     let old = OldMesh::new(mesh, history, &selected);
     let mut solid = Solid::new(mesh);
     let start = solid.tick();
-    let mut improver = Improver::default();
+    let mut improver = Improver::new(options.optimise.mode);
 
     split_cells(&mut solid, &selected);
     let mut faces = flip::flip_faces(&mut solid, &old);
@@ -55,7 +55,7 @@ pub(super) fn refine(
         Boundary::Fixed => (surface::halve_edges(&mut solid, &old), Vec::new()),
         _ => surface::subdivide(&mut solid, &old, &mut improver.filling),
     };
-    improver.improve(&mut solid, start, options.optimise.passes);
+    improver.improve(&mut solid, start, before_smoothing(&options.optimise));
     let targets = match options.boundary {
         Boundary::Fixed => Vec::new(),
         Boundary::Approximating => surface::approximating_targets(&old),
@@ -65,7 +65,11 @@ pub(super) fn refine(
     let now = solid.tick();
     flip::retry_faces(&mut solid, &mut faces);
     surface::retry_edges(&mut solid, &mut edges, &mut improver.filling);
-    improver.improve(&mut solid, now, options.optimise.passes);
+    match (options.optimise.mode, options.optimise.objective) {
+        (Mode::Best, Objective::Quality) => optimise_quality(&mut solid, start, &options.optimise),
+        // For analysis the caller, who has the error estimate, adds the last stage.
+        _ => improver.improve(&mut solid, now, options.optimise.passes),
+    }
 
     let creases = match options.boundary {
         // Creases that are halved have no parity.
@@ -83,6 +87,14 @@ pub(super) fn refine(
     };
     let transfer = solid.take_transfer();
     Ok(Refined { mesh: solid.finish()?, transfer, history, info })
+}
+
+/// Passes of the paper's operations before boundary vertices move.
+fn before_smoothing(optimise: &Optimise) -> usize {
+    match optimise.mode {
+        Mode::Paper => optimise.passes,
+        Mode::Best => optimise.passes.min(1),
+    }
 }
 
 /// Flips of one kind: how many were done, which were refused, which lack a refined cell on one side.

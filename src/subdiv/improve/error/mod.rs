@@ -8,12 +8,16 @@
 mod cost;
 mod relocate;
 
-use super::edge_removal::{Filling, Measure, remove_edge};
-use super::{is_flat, is_removable};
+use super::edge_removal::{CellPrice, Filling, Measure, can_remove, remove_edge};
+use super::freedom::freedoms;
+use super::parallel::{select, sweep, vertices_of};
+use super::{FaceFlip, is_removable};
 use crate::mesh::{TetMesh, topology};
-use crate::subdiv::solid::Solid;
+use crate::subdiv::solid::{Ring, Solid};
 pub use cost::cost;
 use cost::cost_and_sine;
+use glam::DVec3;
+use rayon::prelude::*;
 
 /// Sine of 15 degrees: cells at least this good stay so.
 const FLOOR: f64 = 0.258_819_045_102_520_74;
@@ -43,14 +47,18 @@ fn weight(weights: &[f64], tet: [u32; 4]) -> f64 {
 
 /// Lowers the weighted cost of the mesh by up to `passes` passes; `weights` has one positive entry a vertex. Each pass
 /// after the first looks only at what the pass before changed.
-pub(crate) fn optimise(solid: &mut Solid, weights: &[f64], passes: usize) {
+pub(crate) fn optimise_error(solid: &mut Solid, weights: &[f64], passes: usize) {
+    let freedoms = freedoms(solid);
+    let rounding = 4.0 * f64::EPSILON * solid.largest_coordinate();
     let mut filling = Filling::default();
     let mut since = 0;
     for _ in 0..passes {
         let now = solid.tick();
-        let removed = remove_edges(solid, weights, since, &mut filling);
+        let removed = remove_edges(solid, weights, since, rounding, &mut filling);
         let flipped = flip_faces(solid, weights, since);
-        let moved = relocate_vertices(solid, weights, since);
+        let vertices = vertices_of(solid, solid.cells_since(since));
+        let propose = |(): &mut (), solid: &Solid, v, freedom| relocate::better(solid, weights, v, freedom, FLOOR);
+        let moved = sweep(solid, &freedoms, vertices, || (), propose);
         if removed + flipped + moved == 0 {
             break;
         }
@@ -59,54 +67,65 @@ pub(crate) fn optimise(solid: &mut Solid, weights: &[f64], passes: usize) {
 }
 
 /// Removes the edges whose rings cost less without them; returns how many.
-fn remove_edges(solid: &mut Solid, weights: &[f64], since: u32, filling: &mut Filling) -> usize {
+fn remove_edges(solid: &mut Solid, weights: &[f64], since: u32, rounding: f64, filling: &mut Filling) -> usize {
     let mut edges: Vec<[u32; 2]> = solid.cells_since(since).flat_map(|t| topology::tet_edges(solid.tet(t))).collect();
-    edges.sort_unstable();
+    edges.par_sort_unstable();
     edges.dedup();
-    edges.into_iter().filter(|&e| remove(solid, weights, e, filling)).count()
+    let worth = |filling: &mut Filling, &edge: &[u32; 2]| {
+        removable_ring(solid, edge, rounding).is_some_and(|ring| {
+            let price = priced(weights);
+            can_remove(solid, edge, &ring, &cheaper(solid, weights, &ring, &price), filling)
+        })
+    };
+    let mut removed = 0;
+    for edge in select(edges, worth) {
+        let Some(ring) = removable_ring(solid, edge, rounding) else { continue };
+        let price = priced(weights);
+        let measure = cheaper(solid, weights, &ring, &price);
+        removed += usize::from(remove_edge(solid, edge, &ring, &measure, filling));
+    }
+    removed
 }
 
-fn remove(solid: &mut Solid, weights: &[f64], edge: [u32; 2], filling: &mut Filling) -> bool {
-    let Some(ring) = solid.ring(edge[0], edge[1]) else { return false };
-    if !(if ring.closed { is_removable(solid, edge) } else { is_flat(solid, edge, &ring) }) {
-        return false;
-    }
-    let worst = solid.worst_sine(&ring.cells);
+/// The ring of an edge that may go.
+fn removable_ring(solid: &Solid, edge: [u32; 2], rounding: f64) -> Option<Ring> {
+    solid.ring(edge[0], edge[1]).filter(|ring| is_removable(solid, edge, ring, rounding))
+}
+
+/// Weighted cost and minimum sine of a cell.
+fn priced(weights: &[f64]) -> impl Fn([u32; 4], [DVec3; 4]) -> Option<(f64, f64)> {
+    |tet, points| cost_and_sine(points).map(|(cost, sine)| (weight(weights, tet) * cost, sine))
+}
+
+/// What a filling of the ring must be better than.
+fn cheaper<'a>(solid: &Solid, weights: &[f64], ring: &Ring, price: &'a CellPrice<'a>) -> Measure<'a> {
     let old: f64 = ring.cells.iter().map(|&t| weight(weights, solid.tet(t)) * cost(solid.cell_points(t))).sum();
-    let measure = Measure::LeastSum {
-        cost: &|tet, points| cost_and_sine(points).map(|(c, sine)| (weight(weights, tet) * c, sine)),
-        below: (1.0 - GAIN) * old,
-        floor: worst.min(FLOOR),
-    };
-    remove_edge(solid, edge, &ring, &measure, filling)
+    Measure::LeastSum { cost: price, below: (1.0 - GAIN) * old, floor: solid.worst_sine(&ring.cells).min(FLOOR) }
 }
 
 /// 2-3 flips of the interior faces that lower the cost; returns how many.
 fn flip_faces(solid: &mut Solid, weights: &[f64], since: u32) -> usize {
     let mut faces: Vec<[u32; 3]> =
         solid.cells_since(since).flat_map(|t| topology::tet_faces(solid.tet(t))).map(topology::sorted3).collect();
-    faces.sort_unstable();
+    faces.par_sort_unstable();
     faces.dedup();
-    faces.into_iter().filter(|&f| flip(solid, weights, f)).count()
+    let worth = |(): &mut (), face: &[u32; 3]| cheaper_flip(solid, weights, *face).is_some();
+    let mut flipped = 0;
+    for face in select(faces, worth) {
+        if let Some(flip) = cheaper_flip(solid, weights, face) {
+            flip.perform(solid);
+            flipped += 1;
+        }
+    }
+    flipped
 }
 
-fn flip(solid: &mut Solid, weights: &[f64], face: [u32; 3]) -> bool {
-    let Some(flip) = super::FaceFlip::of(solid, face) else { return false };
+/// The flip of a face if it lowers the cost.
+fn cheaper_flip(solid: &Solid, weights: &[f64], face: [u32; 3]) -> Option<FaceFlip> {
+    let flip = FaceFlip::of(solid, face)?;
     let price = |tet: [u32; 4]| weight(weights, tet) * cost(tet.map(|v| solid.point(v)));
     let old: f64 = flip.cells.iter().map(|&t| price(solid.tet(t))).sum();
-    let floor = solid.worst_sine(&flip.cells).min(FLOOR);
     let new: f64 = flip.children.iter().map(|&c| price(c)).sum();
-    if new >= (1.0 - GAIN) * old || flip.worst_sine(solid) < floor {
-        return false;
-    }
-    flip.perform(solid);
-    true
-}
-
-/// Moves the vertices of changed cells; returns how many moved.
-fn relocate_vertices(solid: &mut Solid, weights: &[f64], since: u32) -> usize {
-    let mut vertices: Vec<u32> = solid.cells_since(since).flat_map(|t| solid.tet(t)).collect();
-    vertices.sort_unstable();
-    vertices.dedup();
-    vertices.into_iter().filter(|&v| relocate::relocate(solid, weights, v, FLOOR)).count()
+    let floor = solid.worst_sine(&flip.cells).min(FLOOR);
+    (new < (1.0 - GAIN) * old && flip.worst_sine(solid) >= floor).then_some(flip)
 }

@@ -49,30 +49,22 @@ impl Fan {
     }
 }
 
-/// Moves vertex `v` by one damped Newton step within its freedom, if that lowers the cost and leaves no cell below
-/// `floor` that was not; returns whether it moved.
-pub(super) fn relocate(solid: &mut Solid, weights: &[f64], v: u32, floor: f64) -> bool {
-    let freedom = Freedom::of(solid, v);
-    if freedom == Freedom::Fixed {
-        return false;
-    }
+/// Where vertex `v` should move: one damped Newton step within its freedom, if that lowers the cost and leaves no cell
+/// below `floor` that was not.
+pub(super) fn better(solid: &Solid, weights: &[f64], v: u32, freedom: Freedom, floor: f64) -> Option<DVec3> {
     let fan = Fan::new(solid, weights, v);
     let start = solid.point(v);
-    let Some((cost, gradient)) = fan.evaluate(start) else { return false };
+    let (cost, gradient) = fan.evaluate(start)?;
     let gradient = freedom.project(gradient);
     let scale = fan.cells.iter().map(|(c, _)| (c[0] - start).length_squared()).fold(f64::INFINITY, f64::min).sqrt();
     let step = newton_step(&fan, start, gradient, scale, freedom);
     // A quadratic falls by half the slope along its Newton step.
     if -0.5 * gradient.dot(step) < GAIN * cost {
-        return false;
+        return None;
     }
     let floor = floor.min(solid.worst_sine(solid.cells_at(v)));
     let steps = [1.0, 0.5, 0.25].map(|factor| start + factor * step);
-    let better = steps.into_iter().find(|p| fan.is_better(*p, (1.0 - GAIN) * cost, floor));
-    if let Some(p) = better {
-        solid.move_point(v, p);
-    }
-    better.is_some()
+    steps.into_iter().find(|p| fan.is_better(*p, (1.0 - GAIN) * cost, floor))
 }
 
 /// The Newton step with the Hessian from differences of the gradient, shifted until it is positive; at most `scale` long.

@@ -1,0 +1,178 @@
+//! Objective "quality": large dihedral angles, first the worst of them, then their mean, and few cells at a vertex.
+//!
+//! Each pass works on what the pass before changed: it relieves over-full vertices, removes edges and faces, and smooths
+//! for the worst cell and for the mean. The last pass ends with the few cells that all this could not help.
+//!
+//! Candidates are evaluated in parallel on the mesh as it stands, and those that would succeed are then carried out one
+//! after the other, evaluated again; so the result does not depend on the number of threads.
+
+use super::super::options::Optimise;
+use super::super::solid::Solid;
+use super::edge_removal::{Filling, Measure, can_remove};
+use super::freedom::{Freedom, freedoms};
+use super::multi_face::{find_faces, remove_faces};
+use super::parallel::{self, select, vertices_of};
+use super::smooth::Smoother;
+use super::{is_removable, mean, remove_edge};
+use crate::mesh::topology;
+use rayon::prelude::*;
+
+/// Steps of the smoother a visit: more of them equalise the cells at a vertex at the expense of their mean.
+const STEPS: usize = 2;
+
+/// Sweeps for the mean after each pass, and after the last.
+const MEAN_SWEEPS: [usize; 2] = [1, 2];
+
+/// Cells whose smallest angle is this many degrees below the target are repaired at any price.
+const REPAIR_BELOW: f64 = 6.0;
+
+/// No cell is pushed below this many degrees under the target for the sake of the mean.
+const MEAN_BELOW: f64 = 4.0;
+
+/// Repairs end after this many rounds.
+const REPAIRS: usize = 3;
+
+/// The worst sine must grow by this much for a change to be worth it.
+const GAIN: f64 = 0.01;
+
+/// What one run works with.
+pub(super) struct Quality {
+    /// Cells with larger sines are good enough.
+    pub(super) goal: f64,
+    /// Cells with smaller sines are repaired.
+    pub(super) repair: f64,
+    mean_floor: f64,
+    pub(super) limit: usize,
+    /// How far rounding may have moved vertices off their planes.
+    rounding: f64,
+    pub(super) freedoms: Vec<Freedom>,
+    pub(super) filling: Filling,
+    pub(super) smoother: Smoother,
+}
+
+/// Optimises the cells changed since `since` and whatever that changes. Keeps the surface as a set of points (flat parts
+/// may get other triangles), creases, patches and regions; adds vertices, removes none.
+pub(crate) fn optimise_quality(solid: &mut Solid, since: u32, options: &Optimise) {
+    let mut run = Quality::new(options, solid, freedoms(solid));
+    let start = since;
+    let mut since = start;
+    for pass in 1..=options.passes {
+        since = run.pass(solid, since, (pass == options.passes).then_some(start));
+    }
+}
+
+/// Edge removal and smoothing of interior vertices only, for cells with a sine below `goal`: a quick repair between the
+/// stages of a scheme.
+pub(super) fn improve_interior(solid: &mut Solid, since: u32, passes: usize, goal: f64) {
+    let still = |f| if f == Freedom::Space { f } else { Freedom::Fixed };
+    let freedoms = freedoms(solid).into_iter().map(still).collect();
+    let mut run = Quality { goal, ..Quality::new(&Optimise::default(), solid, freedoms) };
+    let mut since = since;
+    for _ in 0..passes {
+        let now = solid.tick();
+        run.remove_edges(solid, since);
+        run.smooth(solid, since);
+        since = now;
+    }
+}
+
+impl Quality {
+    fn new(options: &Optimise, solid: &Solid, freedoms: Vec<Freedom>) -> Self {
+        let sine = |degrees: f64| degrees.clamp(1.0, 60.0).to_radians().sin();
+        Self {
+            goal: sine(options.target_angle),
+            repair: sine(options.target_angle - REPAIR_BELOW),
+            mean_floor: sine(options.target_angle - MEAN_BELOW),
+            limit: options.valence_limit,
+            rounding: 4.0 * f64::EPSILON * solid.largest_coordinate(),
+            freedoms,
+            filling: Filling::default(),
+            smoother: Smoother::with_steps(STEPS),
+        }
+    }
+
+    /// One pass over the cells changed since `since`; returns when it began. The last pass is told when the run started.
+    fn pass(&mut self, solid: &mut Solid, since: u32, last: Option<u32>) -> u32 {
+        let now = solid.tick();
+        self.relieve(solid, last.is_none());
+        self.remove_edges(solid, since);
+        self.remove_faces(solid, since);
+        self.smooth(solid, since);
+        if let Some(start) = last {
+            let mut changed = start;
+            for _ in 0..REPAIRS {
+                changed = self.repair_since(solid, changed);
+            }
+        }
+        for _ in 0..MEAN_SWEEPS[usize::from(last.is_some())] {
+            self.raise_means(solid, since);
+        }
+        now
+    }
+
+    /// Removes edges of bad cells where that improves the worst cell of the ring.
+    fn remove_edges(&mut self, solid: &mut Solid, since: u32) {
+        let mut edges: Vec<[u32; 2]> =
+            self.bad_since(solid, since).flat_map(|t| topology::tet_edges(solid.tet(t))).collect();
+        edges.par_sort_unstable();
+        edges.dedup();
+        let (goal, rounding) = (self.goal, self.rounding);
+        let worth = |filling: &mut Filling, &edge: &[u32; 2]| {
+            let Some(ring) = solid.ring(edge[0], edge[1]) else { return false };
+            let floor = solid.worst_sine(&ring.cells) + GAIN;
+            floor < goal
+                && is_removable(solid, edge, &ring, rounding)
+                && can_remove(solid, edge, &ring, &Measure::BestWorst(floor.max(0.0)), filling)
+        };
+        for edge in select(edges, worth) {
+            self.improve_edge(solid, edge, |worst| worst + GAIN);
+        }
+    }
+
+    /// Removes the edge if the worst sine of the new cells exceeds `floor(worst old sine)`.
+    pub(super) fn improve_edge(&mut self, solid: &mut Solid, edge: [u32; 2], floor: impl Fn(f64) -> f64) -> bool {
+        let Some(ring) = solid.ring(edge[0], edge[1]) else { return false };
+        let floor = floor(solid.worst_sine(&ring.cells)).max(0.0);
+        floor < self.goal
+            && is_removable(solid, edge, &ring, self.rounding)
+            && remove_edge(solid, edge, &ring, &Measure::BestWorst(floor), &mut self.filling)
+    }
+
+    /// Removes faces of bad cells where that improves the worst cell.
+    fn remove_faces(&self, solid: &mut Solid, since: u32) {
+        let cells = self.bad_since(solid, since);
+        let mut faces: Vec<[u32; 3]> =
+            cells.flat_map(|t| topology::tet_faces(solid.tet(t)).map(topology::sorted3)).collect();
+        faces.par_sort_unstable();
+        faces.dedup();
+        let worth = |(): &mut (), face: &[u32; 3]| find_faces(solid, *face, self.goal, GAIN).is_some();
+        for face in select(faces, worth) {
+            remove_faces(solid, face, self.goal, GAIN);
+        }
+    }
+
+    /// Smooths the vertices of bad cells for their worst cell.
+    fn smooth(&self, solid: &mut Solid, since: u32) {
+        let vertices = vertices_of(solid, self.bad_since(solid, since));
+        self.sweep(solid, vertices, |smoother, solid, v, freedom| smoother.better(solid, v, freedom, self.goal));
+    }
+
+    /// Smooths the vertices of changed cells for the mean.
+    fn raise_means(&self, solid: &mut Solid, since: u32) {
+        let vertices = vertices_of(solid, solid.cells_since(since));
+        self.sweep(solid, vertices, |_, solid, v, freedom| mean::better(solid, v, freedom, self.mean_floor));
+    }
+
+    /// Moves vertices to where `propose` says.
+    fn sweep<F>(&self, solid: &mut Solid, vertices: Vec<u32>, propose: F)
+    where
+        F: Fn(&mut Smoother, &Solid, u32, Freedom) -> Option<glam::DVec3> + Sync,
+    {
+        parallel::sweep(solid, &self.freedoms, vertices, || Smoother::with_steps(STEPS), propose);
+    }
+
+    /// Cells changed since `since` that are not good enough.
+    fn bad_since(&self, solid: &Solid, since: u32) -> impl Iterator<Item = u32> {
+        solid.cells_since(since).filter(|&t| solid.sine(t) < self.goal)
+    }
+}
