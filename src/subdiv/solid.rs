@@ -307,7 +307,7 @@ impl Solid {
         }
         self.tets[t as usize] = [DEAD; 4];
         self.free.push(t);
-        self.journal.note(Change::CellRemoved(tet, self.tag(t)));
+        self.journal.note(Change::CellRemoved(tet, self.tag(t), self.stamps[t as usize]));
         (tet, self.tag(t))
     }
 
@@ -393,7 +393,7 @@ impl Solid {
 
     /// Moves vertex `v` to where its cells have these minimum sines ([`Solid::sines_with`]).
     pub(super) fn move_point_to(&mut self, v: u32, p: DVec3, sines: &[f64]) {
-        self.journal.note(Change::Moved(v, self.points[v as usize]));
+        self.note_move(v);
         self.points[v as usize] = p;
         for (&t, &sine) in self.cells_at[v as usize].iter().zip(sines) {
             self.sines[t as usize] = sine;
@@ -403,7 +403,7 @@ impl Solid {
 
     /// Moves vertex `v`.
     pub(super) fn move_point(&mut self, v: u32, p: DVec3) {
-        self.journal.note(Change::Moved(v, self.points[v as usize]));
+        self.note_move(v);
         self.points[v as usize] = p;
         for i in 0..self.cells_at[v as usize].len() {
             let t = self.cells_at[v as usize][i];

@@ -54,10 +54,9 @@ pub(super) struct Quality {
 /// may get other triangles), creases, patches and regions; adds vertices, removes none.
 pub(crate) fn optimise_quality(solid: &mut Solid, since: u32, options: &Optimise) {
     let mut run = Quality::new(options, solid, freedoms(solid));
-    let start = since;
-    let mut since = start;
+    let mut changed = since;
     for pass in 1..=options.passes {
-        since = run.pass(solid, since, (pass == options.passes).then_some(start));
+        changed = run.pass(solid, changed, (pass == options.passes).then_some(since));
     }
 }
 

@@ -1,4 +1,4 @@
-//! The last bad cells: a new vertex on one of their edges or inside, kept if the neighbourhood can be made better than
+//! The last bad cells: a new vertex on one of their edges, kept if the neighbourhood can be made better than
 //! the bad cell was.
 
 use super::super::solid::Solid;
@@ -9,7 +9,10 @@ use crate::mesh::topology;
 use crate::subdiv::Stencil;
 
 /// Rounds of edge removal and smoothing around a new vertex.
-const ROUNDS: usize = 3;
+const ROUNDS: usize = 2;
+
+/// Edges of a cell that are tried, the longest.
+const EDGES: usize = 4;
 
 /// A repair must raise the worst sine by this much.
 const GAIN: f64 = 0.01;
@@ -30,37 +33,26 @@ impl Quality {
         for (t, _, tet) in bad {
             // Repairs of its neighbours may have changed or removed it.
             if solid.tet(t) == tet && solid.sine(t) < self.repair {
-                let _ = self.split_edges(solid, t) || self.insert(solid, t);
+                self.split_edges(solid, t);
             }
         }
         now
     }
 
     /// Splits an edge of the cell, the longest that helps. Creases are left to the scheme.
-    fn split_edges(&mut self, solid: &mut Solid, t: u32) -> bool {
+    fn split_edges(&mut self, solid: &mut Solid, t: u32) {
         let mut edges = topology::tet_edges(solid.tet(t));
         let length = |[a, b]: &[u32; 2]| (solid.point(*a) - solid.point(*b)).length_squared();
         edges.sort_by(|e, f| length(f).total_cmp(&length(e)).then(e.cmp(f)));
         let old = solid.sine(t);
-        edges.into_iter().any(|[a, b]| {
+        edges.into_iter().take(EDGES).any(|[a, b]| {
             let split = |solid: &mut Solid| {
                 let m = solid.add_vertex(Stencil::mean(&[a, b]));
                 solid.divide_edge(a, b, &[m]);
                 m
             };
             !solid.is_crease([a, b]) && self.attempt(solid, old, split)
-        })
-    }
-
-    /// Inserts a vertex into the cell.
-    fn insert(&mut self, solid: &mut Solid, t: u32) -> bool {
-        let old = solid.sine(t);
-        self.attempt(solid, old, |solid| {
-            let tet = solid.tet(t);
-            let m = solid.add_vertex(Stencil::mean(&tet));
-            solid.split_cell(t, tet.map(|v| tet.map(|w| if w == v { m } else { w })), false);
-            m
-        })
+        });
     }
 
     /// Makes a vertex, improves around it, and keeps the result if every cell touched is better than `old`.

@@ -7,10 +7,13 @@ use glam::DVec3;
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Change {
     CellAdded(u32),
-    CellRemoved([u32; 4], CellTag),
+    /// With its stamp.
+    CellRemoved([u32; 4], CellTag, u32),
     FaceAdded([u32; 3]),
     FaceRemoved(Face),
     Moved(u32, DVec3),
+    /// A cell at a moved vertex, with its minimum sine and stamp.
+    Reshaped(u32, f64, u32),
 }
 
 /// The changes of a trial.
@@ -22,6 +25,11 @@ pub(super) struct Journal {
 }
 
 impl Journal {
+    /// Whether a trial is open.
+    pub(super) fn is_open(&self) -> bool {
+        self.open
+    }
+
     /// Notes a change if a trial is open.
     pub(super) fn note(&mut self, change: Change) {
         if self.open {
@@ -31,6 +39,16 @@ impl Journal {
 }
 
 impl Solid {
+    /// Notes that `v` is about to move.
+    pub(super) fn note_move(&mut self, v: u32) {
+        if self.journal.is_open() {
+            self.journal.note(Change::Moved(v, self.points[v as usize]));
+            for &t in &self.cells_at[v as usize] {
+                self.journal.note(Change::Reshaped(t, self.sines[t as usize], self.stamps[t as usize]));
+            }
+        }
+    }
+
     /// Starts a trial, in a new period of the clock. During a trial creases must not change.
     pub(in crate::subdiv) fn begin(&mut self) {
         self.tick();
@@ -67,14 +85,18 @@ impl Solid {
                 Change::CellAdded(t) => {
                     self.remove_cell(t);
                 }
-                Change::CellRemoved(tet, tag) => {
-                    self.add_cell(tet, tag);
+                Change::CellRemoved(tet, tag, stamp) => {
+                    let t = self.add_cell(tet, tag);
+                    self.stamps[t as usize] = stamp;
                 }
                 Change::FaceAdded(vertices) => {
                     self.remove_face(vertices);
                 }
                 Change::FaceRemoved(face) => self.add_face(face),
-                Change::Moved(v, p) => self.move_point(v, p),
+                Change::Moved(v, p) => self.points[v as usize] = p,
+                Change::Reshaped(t, sine, stamp) => {
+                    (self.sines[t as usize], self.stamps[t as usize]) = (sine, stamp);
+                }
             }
         }
         self.journal.changes = changes;
