@@ -3,6 +3,7 @@
 mod analyse;
 pub mod check;
 pub mod compare;
+mod describe;
 mod doubts;
 mod hints;
 pub mod inspect;
