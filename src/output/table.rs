@@ -34,7 +34,7 @@ pub fn steps(records: &[StepRecord]) -> String {
     format!("{}\n{ERRORS}\n\nSeconds\n{}\n", text(results), text(costs))
 }
 
-/// The force of each support at a step, and that of the loads, which balances their sum.
+/// The force of each support at a step, and their sum, which is minus that of the loads but for the solver's residual.
 #[must_use]
 pub fn reactions(record: &StepRecord) -> String {
     let mut rows = table("reactions|x|y|z");
@@ -43,12 +43,12 @@ pub fn reactions(record: &StepRecord) -> String {
         cells.extend(force.map(|f| figures(f, 6)));
         rows.add_row(cells);
     };
-    let mut loads = [0.0; 3];
+    let mut total = [0.0; 3];
     for (name, force) in &record.reactions {
         row(name, *force);
-        loads.iter_mut().zip(force).for_each(|(sum, f)| *sum -= f);
+        total.iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
     }
-    row("all loads", loads);
+    row("sum", total);
     text(rows) + "\n"
 }
 
