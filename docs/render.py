@@ -2,7 +2,9 @@
 """Renders a results folder to pictures, without a screen.
 
     pip install vtk numpy
-    python docs/render.py results/bracket/ [--step N] [--out FOLDER]
+    python docs/render.py FOLDER [--step N] [--out FOLDER] [--warp X] [--view X Y Z] [--up X Y Z] [--width PIXELS]
+
+The folder is that of a run, such as results/bracket/, or one of the two of a comparison, results/bracket/adaptive/.
 
 VTK may say that it found no X server; it then renders without one. Reads `step_NNN.vtu` (the last one unless told
 otherwise) and writes
@@ -213,7 +215,7 @@ def panel(mesh, picture, options, warp):
     renderer = vtkRenderer()
     renderer.SetBackground(1, 1, 1)
     renderer.AddActor(actor)
-    renderer.AddViewProp(text(title, options.width // 26, 0.5, 0.94))
+    renderer.AddViewProp(text(title, min(options.width // 26, int(1.7 * options.width / len(title))), 0.5, 0.94))
     if bar:
         renderer.AddViewProp(colour_bar(lut, f"{array} (displacement x {warp:g})", options.width))
     else:

@@ -129,7 +129,7 @@ pub struct Common {
     /// Print errors only
     #[arg(long, short)]
     pub quiet: bool,
-    /// Write the figures to this file too
+    /// Write the figures to this file too; `-` is standard output, where nothing else is printed then
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
 }
@@ -137,7 +137,7 @@ pub struct Common {
 /// Options of the commands that read scenarios.
 #[derive(Debug, Args)]
 pub struct ScenarioOptions {
-    /// Folder of the results [default: results/<scenario's name>]; of several scenarios each gets a folder in it
+    /// Folder of the results [default: results/<scenario's name>]; several scenarios of one `run` each get a folder in it
     #[arg(long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// Override a key of the scenario, such as refine.steps=3 (repeatable)

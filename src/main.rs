@@ -37,7 +37,8 @@ fn main() -> ExitCode {
         }
         Command::Inspect { mesh, feature_angle, common } => {
             set_threads(&common);
-            let Common { quiet, json, .. } = common;
+            let quiet = is_quiet(&common);
+            let json = common.json;
             finish(inspect(&Inspection { mesh, feature_angle, quiet, json }))
         }
         Command::Completions { shell } => completions(shell),
@@ -78,20 +79,25 @@ fn refuse(message: &str) -> ! {
     Cli::command().error(clap::error::ErrorKind::ArgumentConflict, message).exit()
 }
 
-/// Runs all scenarios, whether or not one fails; the code is that of the first failure.
-fn run_all(scenarios: &[PathBuf], common: &Common, options: &ScenarioOptions) -> ExitCode {
-    if scenarios.len() > 1 {
-        refuse_shared_files(scenarios, common);
+/// Reads all scenarios before it runs the first. Then runs all, whether or not one fails; the code is that of the first
+/// failure.
+fn run_all(paths: &[PathBuf], common: &Common, options: &ScenarioOptions) -> ExitCode {
+    if paths.len() > 1 {
+        refuse_shared_files(paths, common);
     }
     set_threads(common);
+    let read = paths.iter().map(|path| Scenario::from_file(path, &options.set).map_err(|e| report(e.into())));
+    let (scenarios, failures): (Vec<_>, Vec<_>) = read.partition(Result::is_ok);
+    if let Some(Err(code)) = failures.into_iter().next() {
+        return code;
+    }
     let mut first_failure = None;
-    for path in scenarios {
+    for scenario in scenarios.into_iter().flatten() {
         let mut run_options = run_options(common, options);
-        if scenarios.len() > 1 {
-            run_options.output =
-                options.output.as_ref().map(|folder| folder.join(path.file_stem().unwrap_or_default()));
+        if paths.len() > 1 {
+            run_options.output = options.output.as_ref().map(|folder| folder.join(scenario.name()));
         }
-        if let Err(error) = read_and(path, options, &run_options, |s, o| run::run(s, o).map(drop)) {
+        if let Err(error) = run::run(&scenario, &run_options) {
             let code = report(error);
             first_failure.get_or_insert(code);
         }
@@ -106,7 +112,8 @@ fn refuse_shared_files(scenarios: &[PathBuf], common: &Common) {
     }
     let mut names = BTreeSet::new();
     if let Some(twin) = scenarios.iter().find(|s| !names.insert(s.file_stem())) {
-        refuse(&format!("two scenarios are called {}: their results would share a folder", twin.display()));
+        let stem = Path::new(twin.file_stem().unwrap_or_default()).display();
+        refuse(&format!("two scenarios are called {stem}: their results would share a folder"));
     }
 }
 
@@ -131,7 +138,12 @@ fn read_and(
 
 fn run_options(common: &Common, options: &ScenarioOptions) -> RunOptions {
     let (output, json) = (options.output.clone(), common.json.clone());
-    RunOptions { output, quiet: common.quiet, json, memory: MEMORY }
+    RunOptions { output, quiet: is_quiet(common), json, memory: MEMORY }
+}
+
+/// Standard output is for the JSON alone if that goes there.
+fn is_quiet(common: &Common) -> bool {
+    common.quiet || common.json.as_deref() == Some(Path::new("-"))
 }
 
 fn set_threads(common: &Common) {

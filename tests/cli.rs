@@ -42,9 +42,10 @@ fn failures_have_their_codes_and_leave_nothing_behind() {
         (&["compare", "lost.toml", "--repeat", "0"], 2, "--repeat"),
         (&["run", "lost.toml", "--threads", "0"], 2, "--threads"),
         (&["subdivide", "broken.msh", "-o", "a.vtu", "--feature-angle", "200"], 2, "180"),
-        (&["run", "lost.toml", "sub/lost.toml"], 2, "share a folder"),
+        (&["run", "lost.toml", "sub/lost.toml"], 2, "called lost: their results would share a folder"),
         (&["run", "lost.toml", "typo.toml", "--json", "a.json"], 2, "--json"),
         (&["run", "absent.toml"], 3, "absent.toml"),
+        (&["check", "broken.msh"], 3, "is a GiD mesh, not a scenario"),
         (&["run", "typo.toml", "--json", "a.json"], 3, "typo.toml:2:1"),
         (&["check", "lost.toml", "--set", "refine.steps=-1"], 3, "--set refine.steps=-1"),
         (&["run", "lost.toml"], 4, "SUBSOLID_DATA"),
@@ -60,12 +61,13 @@ fn failures_have_their_codes_and_leave_nothing_behind() {
 }
 
 #[test]
-fn several_runs_all_run_and_the_first_failure_gives_the_code() {
+fn several_scenarios_are_all_read_before_one_runs() {
     let folder = folder();
-    let (status, _, stderr) = subsolid(folder.path(), &["run", "lost.toml", "typo.toml"]);
-    assert_eq!(status, Some(4));
-    assert!(stderr.contains("lost.msh") && stderr.contains("`mesh.fiel`"), "{stderr}");
-    assert_eq!(subsolid(folder.path(), &["run", "typo.toml", "lost.toml"]).0, Some(3));
+    let (status, stdout, stderr) = subsolid(folder.path(), &["run", "lost.toml", "typo.toml"]);
+    assert_eq!((status, stdout.as_str()), (Some(3), ""));
+    assert!(!stderr.contains("cannot read mesh") && stderr.contains("`mesh.fiel`"), "{stderr}");
+    let (status, _, stderr) = subsolid(folder.path(), &["run", "lost.toml", "broken.toml"]);
+    assert!(status == Some(4) && stderr.contains("lost.msh") && stderr.contains("broken.msh"), "{stderr}");
 }
 
 #[test]

@@ -210,3 +210,29 @@ fn run_and_compare_do_not_mix() {
     assert!(results.join("notes.txt").exists());
     assert!(command("run", &["refine.steps=0"]).len() < run.len() + 1);
 }
+
+#[test]
+fn check_tells_what_holds_and_what_acts() {
+    let folder = folder();
+    let heavy = ["materials.steel.density=3.0", "loads.weight.gravity=[0.0, 0.0, -2.0]"];
+    let arguments = ["check", "bent.toml", "--json", "-", "--set", heavy[0], "--set", heavy[1]];
+    let (code, stdout, stderr) = subsolid(folder.path(), &arguments);
+    assert_eq!(code, Some(0), "{stderr}");
+    let json: Value = serde_json::from_str(&stdout).unwrap();
+    assert_eq!(json["supports"][0]["displacement"], serde_json::json!([0.0, 0.0, 0.0]));
+    let weight = json["loads"].as_array().unwrap().iter().find(|l| l["name"] == "weight").unwrap();
+    // Density 3, volume 2, acceleration 2.
+    assert!((weight["total_force"][2].as_f64().unwrap() + 12.0).abs() < 1e-12, "{weight}");
+    assert_eq!((json["groups"].as_array().unwrap().len(), &json["regions"][0]["cells"]), (6, &96.into()));
+    let (_, stdout, _) = subsolid(folder.path(), &["check", "pulled.toml"]);
+    assert!(stdout.contains("free") && stdout.contains("traction") && stdout.contains("results/pulled"), "{stdout}");
+}
+
+#[test]
+fn a_run_prints_reactions_that_balance_the_loads() {
+    let folder = folder();
+    let (stdout, _) = run(folder.path(), "bent", &["refine.steps=0"]);
+    let line = stdout.lines().find(|l| l.starts_with("sum")).unwrap();
+    let z: f64 = line.split_whitespace().last().unwrap().parse().unwrap();
+    assert!((z - 1.0).abs() < 1e-5, "{line}");
+}

@@ -97,6 +97,21 @@ pub enum MeshError {
         /// How many cells are not positive.
         count: usize,
     },
+    /// Cells without positive volume in a file.
+    #[error("{path}:{line}: {worst}: volume {volume:.3e} is not positive beyond rounding ({count} such cells)", path = path.display())]
+    #[diagnostic(help("the worst cell is named; repair the mesh (Gmsh: Mesh.Optimize) or its node order"))]
+    NotPositiveIn {
+        /// The file.
+        path: PathBuf,
+        /// Line of the cell with the smallest volume.
+        line: usize,
+        /// That cell, with the ids of the file.
+        worst: Victim,
+        /// Its volume.
+        volume: f64,
+        /// How many cells are not positive.
+        count: usize,
+    },
     /// More than two cells at a face.
     #[error("face {vertices:?} is shared by {count} cells: {cells:?}")]
     #[diagnostic(help("each face may have one or two cells; look for duplicated or overlapping cells"))]

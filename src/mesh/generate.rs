@@ -38,6 +38,19 @@ pub fn box_tets(size: [f64; 3], cells: [usize; 3]) -> Result<TetMesh, MeshError>
         groups,
         ..TetMeshParts::default()
     })
+    .map_err(|error| match error {
+        MeshError::NotPositive { .. } => MeshError::Generator(too_flat(size, cells)),
+        other => other,
+    })
+}
+
+/// Says that bricks are so long and thin that the volumes of their tetrahedra are rounding.
+fn too_flat(size: [f64; 3], cells: [usize; 3]) -> String {
+    let [x, y, z] = [0, 1, 2].map(|i| size[i] / cells[i] as f64);
+    format!(
+        "the bricks of the box measure {x:e} x {y:e} x {z:e}: their tetrahedra have no volume beyond rounding; change its \
+         size or cells so that their sides are more alike"
+    )
 }
 
 fn check_box(size: [f64; 3], cells: [usize; 3]) -> Result<(), MeshError> {
@@ -142,6 +155,12 @@ mod tests {
         for cells in [[0, 1, 1], [1, 1, 0], [1000, 1000, 9], [usize::MAX; 3]] {
             assert!(matches!(box_tets([1.0; 3], cells), Err(MeshError::Generator(_))), "{cells:?}");
         }
+    }
+
+    #[test]
+    fn bricks_without_volume_get_a_remedy_that_fits_a_box() {
+        let Err(MeshError::Generator(message)) = box_tets([1.0, 1.0, 1e-14], [1; 3]) else { panic!("accepted") };
+        assert!(message.contains("1e-14") && message.contains("cells"), "{message}");
     }
 
     proptest! {

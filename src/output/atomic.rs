@@ -20,6 +20,9 @@ pub fn write_atomic(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Resul
 /// # Errors
 /// [`OutputError::Write`] names the folder.
 pub fn ensure_writable_dir(path: &Path) -> Result<(), OutputError> {
+    if path.is_file() {
+        return Err(OutputError::write(path, io::Error::other("it is a file, not a folder")));
+    }
     std::fs::create_dir_all(path)
         .and_then(|()| temporary(path))
         .map(|_| ())
@@ -77,7 +80,13 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("file");
         std::fs::write(&file, "").unwrap();
-        assert!(ensure_writable_dir(&file).unwrap_err().to_string().contains("file"));
+        let OutputError::Write { path, source } = ensure_writable_dir(&file).unwrap_err() else { panic!() };
+        assert_eq!((path, source.to_string().as_str()), (file.clone(), "it is a file, not a folder"));
+        let OutputError::Write { source, .. } = ensure_writable_dir(&file.join("below")).unwrap_err() else { panic!() };
+        assert!(!source.to_string().contains("subsolid-"), "{source}");
+        let missing = write_atomic(&folder.path().join("none/file"), |_| Ok(())).unwrap_err();
+        let OutputError::Write { source, .. } = missing else { panic!() };
+        assert!(!source.to_string().contains("subsolid-"), "{source}");
         let deep = folder.path().join("a/b");
         ensure_writable_dir(&deep).unwrap();
         assert_eq!(names(&deep), [""; 0]);

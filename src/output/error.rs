@@ -9,8 +9,8 @@ pub enum OutputError {
     /// The operating system refused.
     #[error("cannot write {path}", path = path.display())]
     #[diagnostic(help(
-        "check that the folder exists, may be written to and has free space, or choose another with --output; \
-         an older file of that name was left as it was"
+        "check that the folder exists, may be written to and has free space, or name another by the option it came from \
+         (--output, or --json); an older file of that name was left as it was"
     ))]
     Write {
         /// The file or folder asked for.
@@ -46,8 +46,17 @@ pub enum OutputError {
 }
 
 impl OutputError {
-    /// The error of the operating system at `path`.
+    /// The error of the operating system at `path`. Of the names that it may tell, only `path` means something to the
+    /// user: a temporary file beside it does not.
     pub fn write(path: &Path, source: io::Error) -> Self {
+        let source = match source.raw_os_error() {
+            Some(code) => io::Error::from_raw_os_error(code),
+            None if source.get_ref().is_some() => match source.kind() {
+                io::ErrorKind::Other => source,
+                kind => io::Error::from(kind),
+            },
+            None => source,
+        };
         Self::Write { path: path.to_owned(), source }
     }
 }

@@ -7,7 +7,7 @@ use super::atomic::write_atomic;
 use crate::mesh::{TetMesh, features, quality, topology};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
-use std::io;
+use std::io::{self, Write as _};
 use std::path::Path;
 
 /// A whole run: `report.json`.
@@ -241,11 +241,20 @@ impl From<quality::Quality> for QualityRecord {
     }
 }
 
-/// Writes a record as indented JSON with a newline at the end.
+/// Writes a record as indented JSON with a newline at the end; to standard output if `path` is `-`.
 ///
 /// # Errors
 /// [`OutputError::Write`] names `path`.
 pub fn write_json(path: &Path, record: &impl Serialize) -> Result<(), OutputError> {
+    if path == Path::new("-") {
+        let mut text = serde_json::to_string_pretty(record).map_err(|e| OutputError::write(path, e.into()))?;
+        text.push('\n');
+        return match io::stdout().write_all(text.as_bytes()) {
+            // The reader has gone away: that is its right.
+            Err(e) if e.kind() != io::ErrorKind::BrokenPipe => Err(OutputError::write(path, e)),
+            _ => Ok(()),
+        };
+    }
     write_atomic(path, |w| {
         serde_json::to_writer_pretty(&mut *w, record).map_err(io::Error::from)?;
         writeln!(w)

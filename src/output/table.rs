@@ -34,6 +34,24 @@ pub fn steps(records: &[StepRecord]) -> String {
     format!("{}\n{ERRORS}\n\nSeconds\n{}\n", text(results), text(costs))
 }
 
+/// The force of each support at a step, and their sum, which is minus that of the loads but for the solver's residual.
+#[must_use]
+pub fn reactions(record: &StepRecord) -> String {
+    let mut rows = table("reactions|x|y|z");
+    let mut row = |name: &str, force: [f64; 3]| {
+        let mut cells = vec![name.to_owned()];
+        cells.extend(force.map(|f| figures(f, 6)));
+        rows.add_row(cells);
+    };
+    let mut total = [0.0; 3];
+    for (name, force) in &record.reactions {
+        row(name, *force);
+        total.iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
+    }
+    row("sum", total);
+    text(rows) + "\n"
+}
+
 /// One line for a step just finished.
 #[must_use]
 pub fn step_line(r: &StepRecord) -> String {
@@ -204,7 +222,8 @@ pub fn count(n: usize) -> String {
 }
 
 /// A number with that many significant figures, in the shorter of the plain and the scientific notation.
-pub(super) fn figures(x: f64, digits: usize) -> String {
+#[must_use]
+pub fn figures(x: f64, digits: usize) -> String {
     if !x.is_finite() {
         return "-".to_owned();
     }

@@ -1,13 +1,15 @@
 //! `subsolid check`: what a run would do, without solving.
 
+use super::describe::{self, MeshDetails};
 use super::inspect::{describe_groups, describe_mesh};
 use super::resolve::{Resolved, choose_materials};
 use super::{RunOptions, load, print, resolve, table};
 use crate::error::Error;
 use crate::fem;
 use crate::mesh::TetMesh;
-use crate::output::report::{MeshReport, write_json};
-use crate::scenario::{Refine, Scenario, Strategy};
+use crate::output::report::write_json;
+use crate::output::table::figures;
+use crate::scenario::{Material, Refine, Scenario, Strategy};
 use std::time::Instant;
 
 /// Reads a scenario's mesh, resolves its selectors and prints what a run would do.
@@ -21,7 +23,13 @@ pub fn check(scenario: &Scenario, options: &RunOptions) -> Result<(), Error> {
     let resolved = resolve::resolve(scenario, file.mesh)?;
     fem::check_constraints(&resolved.mesh, &resolved.model)?;
     if let Some(path) = &options.json {
-        write_json(path, &MeshReport::of(&resolved.mesh, start.elapsed().as_secs_f64()))?;
+        let details = Details {
+            mesh: MeshDetails::of(&resolved.mesh, given_groups, start.elapsed().as_secs_f64()),
+            materials: materials(scenario, &resolved.mesh)?,
+            supports: describe::supports(&resolved),
+            loads: describe::loads(&resolved),
+        };
+        write_json(path, &details)?;
     }
     if options.quiet {
         return Ok(());
@@ -32,6 +40,7 @@ pub fn check(scenario: &Scenario, options: &RunOptions) -> Result<(), Error> {
     text += &describe_materials(scenario, &resolved.mesh)?;
     text += &describe_selections(&resolved);
     text += &format!("\n{}", describe_refinement(scenario));
+    text += &format!("results would go to {}\n", options.folder(scenario).display());
     for warning in scenario.warnings.iter().chain(&resolved.warnings) {
         text += &format!("warning: {warning}\n");
     }
@@ -53,12 +62,53 @@ fn describe_materials(scenario: &Scenario, mesh: &TetMesh) -> Result<String, Err
     Ok(format!("\n{rows}\n"))
 }
 
+/// What `--json` holds.
+#[derive(serde::Serialize)]
+struct Details {
+    #[serde(flatten)]
+    mesh: MeshDetails,
+    materials: Vec<MaterialRecord>,
+    supports: Vec<describe::Support>,
+    loads: Vec<describe::Load>,
+}
+
+/// The material of a region.
+#[derive(serde::Serialize)]
+struct MaterialRecord {
+    region: String,
+    material: String,
+    youngs_modulus: f64,
+    poissons_ratio: f64,
+    density: Option<f64>,
+}
+
+fn materials(scenario: &Scenario, mesh: &TetMesh) -> Result<Vec<MaterialRecord>, Error> {
+    let chosen = choose_materials(&scenario.materials, mesh)?;
+    let record = |(region, m): (&String, &Material)| MaterialRecord {
+        region: region.clone(),
+        material: m.name.clone(),
+        youngs_modulus: m.youngs_modulus,
+        poissons_ratio: m.poissons_ratio,
+        density: m.density,
+    };
+    Ok(mesh.region_names().iter().zip(chosen).map(record).collect())
+}
+
 fn describe_selections(resolved: &Resolved) -> String {
-    let mut rows = table(&["acts", "name", "faces", "area"]);
-    for s in &resolved.selections {
-        rows.add_row([s.what.to_owned(), s.name.clone(), s.faces.to_string(), format!("{:.6}", s.area)]);
+    let mut held = table(&["support", "faces", "area", "x", "y", "z"]);
+    for s in describe::supports(resolved) {
+        let [x, y, z] = s.displacement.map(|u| u.map_or("free".to_owned(), |u| u.to_string()));
+        held.add_row([s.name, s.faces.to_string(), figures(s.area, 6), x, y, z]);
     }
-    format!("\n{rows}\n")
+    let mut acts = table(&["load", "kind", "value", "faces", "area", "total x", "y", "z"]);
+    for l in describe::loads(resolved) {
+        let value: Vec<String> = l.value.iter().map(f64::to_string).collect();
+        let [x, y, z] = l.total_force.map(|f| figures(f, 6));
+        let extent = |text: String| if l.kind == "gravity" { "-".to_owned() } else { text };
+        let (faces, area) = (extent(l.faces.to_string()), extent(figures(l.area, 6)));
+        acts.add_row([l.name, l.kind.to_owned(), value.join(", "), faces, area, x, y, z]);
+    }
+    format!("\n{held}\n\n{acts}\n")
 }
 
 /// The plan of refinement in a sentence or two.

@@ -24,6 +24,10 @@ const VERY_SHORT_STEP: f64 = 0.05;
 /// Passes over runs of such steps.
 const MANY_PASSES: usize = 9;
 
+/// What is said where a comparison shows little.
+const NOTHING_REFINED: &str = "warning: the scenario refines nothing (refine.strategy = \"none\", or steps = 0 or absent); \
+                               compare sets the strategies itself and takes refine.steps: try --set refine.steps=3\n";
+
 /// Runs a scenario globally and adaptively from the same input mesh under the same stop rules, and writes both results
 /// and the comparison. Where the whole is short, the phases are medians over `repeat` passes, or over nine if
 /// steps are very short and `repeat` is not 1.
@@ -35,6 +39,9 @@ pub fn compare(scenario: &Scenario, options: &RunOptions, repeat: usize) -> Resu
         return Err(Error::NothingToCompare);
     }
     let problem = prepare(scenario, options)?;
+    if !options.quiet && (scenario.refine.strategy == Strategy::None || scenario.refine.steps == 0) {
+        print(NOTHING_REFINED)?;
+    }
     let folder = options.folder(scenario);
     ensure_writable_dir(&folder)?;
     leftovers::remove(&folder, &scenario.path)?;

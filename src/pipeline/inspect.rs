@@ -1,9 +1,10 @@
 //! `subsolid inspect`: what a mesh file holds.
 
+use super::describe::{self, MeshDetails, Region};
 use super::{load, print, select, table};
 use crate::error::Error;
 use crate::mesh::{GroupId, TetMesh, features, quality, read, topology};
-use crate::output::report::{MeshReport, write_json};
+use crate::output::report::write_json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -29,7 +30,7 @@ pub fn inspect(inspection: &Inspection) -> Result<(), Error> {
     let file = read::read(&load::find(&inspection.mesh, Path::new(""))?)?;
     let mesh = features::with_creases(file.mesh, inspection.feature_angle, &[]);
     if let Some(path) = &inspection.json {
-        write_json(path, &MeshReport::of(&mesh, start.elapsed().as_secs_f64()))?;
+        write_json(path, &MeshDetails::of(&mesh, mesh.groups().len(), start.elapsed().as_secs_f64()))?;
     }
     if inspection.quiet {
         return Ok(());
@@ -70,15 +71,9 @@ pub(super) fn describe_mesh(mesh: &TetMesh, format: &str) -> String {
 
 /// The regions with their cells and volumes.
 fn describe_regions(mesh: &TetMesh) -> String {
-    let mut totals = vec![(0_usize, 0.0); mesh.region_names().len()];
-    for (t, region) in mesh.regions().iter().enumerate() {
-        let (cells, volume) = &mut totals[region.0 as usize];
-        *cells += 1;
-        *volume += mesh.cell_volume(t);
-    }
     let mut rows = table(&["region", "cells", "volume"]);
-    for (name, (cells, volume)) in mesh.region_names().iter().zip(totals) {
-        rows.add_row([name.clone(), cells.to_string(), format!("{volume:.6}")]);
+    for Region { name, cells, volume } in describe::regions(mesh) {
+        rows.add_row([name, cells.to_string(), format!("{volume:.6}")]);
     }
     format!("\n{rows}\n")
 }

@@ -60,7 +60,7 @@ pub(super) fn warnings(mesh: &TetMesh, model: &Model, prescribed: &Prescribed) -
 }
 
 /// The components a load acts in, its total force (per volume for gravity) and the sum of its magnitudes.
-fn effect(mesh: &TetMesh, kind: LoadKind) -> ([bool; 3], DVec3, f64) {
+pub(super) fn effect(mesh: &TetMesh, kind: LoadKind) -> ([bool; 3], DVec3, f64) {
     let along = |v: DVec3| v.to_array().map(|x| x != 0.0);
     match kind {
         LoadKind::Traction(g, t) => {

@@ -4,6 +4,7 @@ mod analyse;
 pub mod check;
 pub mod choice;
 pub mod compare;
+mod describe;
 mod doubts;
 mod hints;
 pub mod inspect;

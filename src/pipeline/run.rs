@@ -38,7 +38,8 @@ pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<Report, Error> {
     }
     if !options.quiet {
         let folder = options.folder(scenario);
-        let text = table::steps(&report.steps);
+        let reactions = report.steps.last().map(table::reactions).unwrap_or_default();
+        let text = format!("{}\n{reactions}", table::steps(&report.steps));
         let ending = ending(scenario, plan.strategy, &report);
         print(&format!("{text}\n{}{ending}\nresults in {}\n", warnings("", &report), folder.display()))?;
     }

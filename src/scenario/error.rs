@@ -17,6 +17,17 @@ pub enum ScenarioError {
         /// What to do.
         help: String,
     },
+    /// A mesh in place of a scenario.
+    #[error("{path} is a {format} mesh, not a scenario", path = path.display())]
+    #[diagnostic(help(
+        "look at it with `subsolid inspect`, refine it with `subsolid subdivide`, or name it in a scenario's [mesh]"
+    ))]
+    Mesh {
+        /// The file.
+        path: PathBuf,
+        /// Its format.
+        format: &'static str,
+    },
     /// The text is not TOML, or a key or value is not what a scenario takes.
     #[error(transparent)]
     #[diagnostic(transparent)]

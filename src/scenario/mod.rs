@@ -220,6 +220,9 @@ impl Scenario {
     /// # Errors
     /// As [`Scenario::from_file`].
     pub fn from_text(text: &str, path: &Path, overrides: &[String]) -> Result<Self, ScenarioError> {
+        if let Some(format) = mesh_format(text) {
+            return Err(ScenarioError::Mesh { path: path.to_owned(), format });
+        }
         let sources =
             document::Sources::new(&path.display().to_string(), text, overrides).map_err(ScenarioError::Invalid)?;
         let document = sources.parse().map_err(ScenarioError::Invalid)?;
@@ -271,4 +274,11 @@ fn set(document: &mut toml::Table, name: &str, key: &str, value: toml::Value) {
     if let Some(table) = entry.as_table_mut() {
         table.insert(key.to_owned(), value);
     }
+}
+
+/// The format of a text that is a mesh, not a scenario.
+fn mesh_format(text: &str) -> Option<&'static str> {
+    let start = text.trim_start();
+    let is_gid = || start.get(..5).is_some_and(|word| word.eq_ignore_ascii_case("mesh "));
+    if start.starts_with("$MeshFormat") { Some("Gmsh") } else { is_gid().then_some("GiD") }
 }

@@ -31,13 +31,15 @@ pub(super) fn build(path: &Path, format: &'static str, mut raw: Raw) -> Result<M
     let faces = topology::boundary_faces(&tets);
     let (tagged, groups, ignored) = groups(&raw, &triangles, &faces);
     if ignored > 0 {
-        notes.push(format!("{ignored} triangles are not on the boundary of the solid and are ignored."));
+        let are = |one, many| if ignored == 1 { one } else { many };
+        let (triangles, are) = (are("triangle is", "triangles are"), are("is", "are"));
+        notes.push(format!("{ignored} {triangles} not on the boundary of the solid and {are} ignored."));
     }
     let (faces, patches) = patches(&faces, &tagged);
     let levels = vec![0; tets.len()];
     let parts =
         TetMeshParts { points, tets, regions, levels, faces, region_names, groups, patches, ..Default::default() };
-    let mesh = TetMesh::new(parts).map_err(|error| in_file_ids(error, &raw, &vertices))?;
+    let mesh = TetMesh::new(parts).map_err(|error| in_file_ids(path, error, &raw, &vertices))?;
     notes.extend(coincident(&mesh));
     notes.extend(loose_parts(&mesh));
     Ok(MeshFile { mesh, format, notes })
@@ -136,7 +138,12 @@ fn dropped(nodes: &Nodes, raw: &Raw, vertex_of: &[u32]) -> Result<Vec<String>, M
         ));
     }
     if orphans > 0 {
-        notes.push(format!("{orphans} nodes belong to no tetrahedron and are dropped."));
+        let belong = if orphans == 1 {
+            "node belongs to no tetrahedron and is"
+        } else {
+            "nodes belong to no tetrahedron and are"
+        };
+        notes.push(format!("{orphans} {belong} dropped."));
     }
     Ok(notes)
 }
@@ -243,14 +250,15 @@ fn patches(faces: &[[u32; 3]], tagged: &[(usize, GroupId)]) -> (Vec<Face>, Vec<V
     (faces, patches)
 }
 
-/// The error with the file's ids in place of indices.
-fn in_file_ids(error: MeshError, raw: &Raw, vertices: &[u32]) -> MeshError {
+/// The error with the file's ids in place of indices; of bad cells with the file and the line of the worst.
+fn in_file_ids(path: &Path, error: MeshError, raw: &Raw, vertices: &[u32]) -> MeshError {
     let node = |v: u32| raw.nodes[vertices[v as usize] as usize].id;
     let element = |cell: usize| raw.tets[cell].id as usize;
     match error {
         MeshError::NotPositive { worst, volume, count } => {
+            let line = raw.tets[worst.cell].line as usize;
             let worst = Victim { cell: element(worst.cell), vertices: worst.vertices.map(node), ..worst };
-            MeshError::NotPositive { worst, volume, count }
+            MeshError::NotPositiveIn { path: path.to_owned(), line, worst, volume, count }
         }
         MeshError::OvercrowdedFace { vertices, count, cells } => {
             let cells = cells.into_iter().map(element).collect();

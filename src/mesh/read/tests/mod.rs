@@ -188,7 +188,7 @@ fn physical_names_become_regions_and_groups() {
     assert_eq!(area(&mesh, "front side"), 0.5);
     assert!((area(&mesh, "surface-7") - 0.75_f64.sqrt()).abs() < 1e-15);
     assert_eq!(mesh.patch_groups().iter().filter(|groups| **groups == [GroupId(0), GroupId(1)]).count(), 1);
-    assert!(notes.iter().any(|n| n.contains("1 triangles are not on the boundary")), "{notes:?}");
+    assert!(notes.iter().any(|n| n.contains("1 triangle is not on the boundary")), "{notes:?}");
 }
 
 #[test]
@@ -220,7 +220,7 @@ fn second_order_cells_give_their_corners() {
     let MeshFile { mesh, notes, .. } = parse_text(&text).unwrap();
     assert_eq!((mesh.points().len(), mesh.volume()), (4, 1.0 / 6.0));
     assert!(notes[0].contains("1 ten-node") && notes[0].contains("6 mid-side"), "{notes:?}");
-    assert!(notes[1].contains("1 nodes belong to no tetrahedron"), "{notes:?}");
+    assert!(notes[1].contains("1 node belongs to no tetrahedron"), "{notes:?}");
     assert_fault(&text.replace("9 10\n$End", "9 99\n$End"), 20, &["node 99"]);
 }
 
@@ -235,7 +235,8 @@ fn bom_and_carriage_returns_are_accepted() {
 #[test]
 fn a_mesh_inside_out_is_flipped_and_one_inverted_cell_is_refused() {
     let one = MSH2.replace("1 3 2 5", "1 2 3 5");
-    let Err(MeshError::NotPositive { worst, volume, count }) = parse_text(&one) else { panic!("accepted") };
+    let Err(MeshError::NotPositiveIn { line, worst, volume, count, .. }) = parse_text(&one) else { panic!("accepted") };
+    assert!(one.lines().nth(line - 1).unwrap().ends_with("1 2 3 5"), "line {line}");
     assert_eq!((worst.cell, worst.vertices, count), (9, [1, 2, 3, 5], 1));
     assert!((volume + 1.0 / 6.0).abs() < 1e-15);
     let MeshFile { mesh, notes, .. } = parse_text(&one.replace("1 2 3 4\n9", "1 3 2 4\n9")).unwrap();
@@ -247,7 +248,7 @@ fn a_mesh_inside_out_is_flipped_and_one_inverted_cell_is_refused() {
 fn a_flat_cell_is_refused_at_any_scale() {
     for height in ["0", "1e-15"] {
         let flat = with_line(MSH2, 17, &format!("5 0 0 -{height}"));
-        assert!(matches!(parse_text(&flat), Err(MeshError::NotPositive { .. })), "{height}");
+        assert!(matches!(parse_text(&flat), Err(MeshError::NotPositiveIn { .. })), "{height}");
     }
     let small: String = GID.replace("1 0 0\n", "1e-9 0 0\n").replace("0 1 0\n", "0 1e-9 0\n");
     let small = small.replace("0 0 1\n", "0 0 1e-9\n").replace("0 0 -1\n", "0 0 -1e-9\n");
@@ -259,7 +260,7 @@ fn loose_parts_coincident_nodes_and_orphans_are_noted() {
     let twice = GID.replace("5 0 0 -1", "5 0 0 -1\n6 0 0 0\n7 1 0 0\n8 0 1 0\n9 5 5 5");
     let MeshFile { mesh, notes, .. } = parse_text(&twice.replace("9 1 3 2 5 2", "9 6 8 7 5 2")).unwrap();
     assert_eq!(mesh.points().len(), 8);
-    for words in ["2 parts that share no face", "3 nodes lie where", "1 nodes belong to no"] {
+    for words in ["2 parts that share no face", "3 nodes lie where", "1 node belongs to no"] {
         assert!(notes.iter().any(|n| n.contains(words)), "{words}: {notes:?}");
     }
 }
