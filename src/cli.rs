@@ -2,7 +2,7 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 use std::path::PathBuf;
-use subsolid::subdiv::options::{Boundary, Scheme};
+use subsolid::subdiv::options::{Boundary, Mode, Scheme};
 
 /// Finite-element simulation of linear-elastic solids represented by adaptive subdivision meshes.
 #[derive(Debug, Parser)]
@@ -101,12 +101,33 @@ pub struct Subdivide {
     /// What scheme sqrt3 does to the boundary surface; the others keep it
     #[arg(long, value_enum, default_value_t = BoundaryName::Approximating)]
     pub boundary: BoundaryName,
+    /// How each refined mesh is optimised for its dihedral angles
+    #[arg(long, value_enum, default_value_t = ModeName::Paper)]
+    pub optimise: ModeName,
     /// The .vtu file to write
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
     /// What all commands have
     #[command(flatten)]
     pub common: Common,
+}
+
+/// Names of the optimiser's modes.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum ModeName {
+    /// With the operations of the published scheme
+    Paper,
+    /// With all operations: larger angles, fewer cells at a vertex
+    Best,
+}
+
+impl From<ModeName> for Mode {
+    fn from(name: ModeName) -> Self {
+        match name {
+            ModeName::Paper => Self::Paper,
+            ModeName::Best => Self::Best,
+        }
+    }
 }
 
 /// Cells to refine, as named on the command line.

@@ -15,7 +15,7 @@ use subsolid::pipeline::inspect::{Inspection, inspect};
 use subsolid::pipeline::subdivide::{Subdivision, subdivide};
 use subsolid::pipeline::{MemoryProbe, RunOptions, check, compare, run};
 use subsolid::scenario::Scenario;
-use subsolid::subdiv::options::{Options, Scheme};
+use subsolid::subdiv::options::{Optimise, Options, Scheme};
 
 #[global_allocator]
 static ALLOCATOR: PeakAlloc = PeakAlloc;
@@ -49,8 +49,8 @@ fn main() -> ExitCode {
 fn subdivision(arguments: cli::Subdivide) -> Subdivision {
     let cli::Subdivide { mesh, feature_angle, edges, corners, output, common: Common { quiet, json, .. }, .. } =
         arguments;
-    let options =
-        Options { scheme: arguments.scheme.into(), boundary: arguments.boundary.into(), ..Options::default() };
+    let optimise = Optimise { mode: arguments.optimise.into(), ..Optimise::default() };
+    let options = Options { scheme: arguments.scheme.into(), boundary: arguments.boundary.into(), optimise };
     let cells = match arguments.select {
         None => Cells::All,
         Some(_) if options.scheme == Scheme::Red => {

@@ -237,8 +237,20 @@ fn refine(raw: Option<RawRefine>, warnings: &mut Vec<String>) -> Checked<Refine>
 /// For analysis the objective is a small error; the paper's operations know only the angles.
 fn optimise(raw: &RawOptimise) -> Checked<Optimise> {
     let passes = raw.passes.as_ref().map(|n| integer(n, 1..=100)).transpose()?.unwrap_or(3);
-    let mode = raw.mode.unwrap_or(Mode::Best);
-    Ok(Optimise { mode, objective: raw.objective.unwrap_or(Objective::Error), passes, ..Optimise::default() })
+    let default = Optimise::default();
+    let angle = |x: &Number| within(x, "from 1 to 60 degrees", |a| (1.0..=60.0).contains(&a));
+    Ok(Optimise {
+        mode: raw.mode.unwrap_or(Mode::Best),
+        objective: raw.objective.unwrap_or(Objective::Error),
+        passes,
+        target_angle: raw.target_angle.as_ref().map(angle).transpose()?.unwrap_or(default.target_angle),
+        valence_limit: raw
+            .valence_limit
+            .as_ref()
+            .map(|n| integer(n, 20..=10_000))
+            .transpose()?
+            .unwrap_or(default.valence_limit),
+    })
 }
 
 /// The name of a boundary rule that moves the surface.

@@ -246,6 +246,8 @@ pub(super) struct RawOptimise {
     pub mode: Option<Mode>,
     pub objective: Option<Objective>,
     pub passes: Option<Integer>,
+    pub target_angle: Option<Number>,
+    pub valence_limit: Option<Integer>,
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -8,7 +8,7 @@ mod solid;
 mod sqrt3;
 
 use crate::mesh::{MeshError, TetMesh};
-use options::{Optimise, Options, Scheme};
+use options::{Mode, Objective, Optimise, Options, Scheme};
 use solid::Solid;
 
 pub use improve::error::{cost as cell_cost, vertex_weights};
@@ -110,11 +110,21 @@ pub fn refine(mesh: &TetMesh, history: &History, selected: &[bool], options: &Op
         let (got, want) = (selected.len(), mesh.tets().len());
         return Err(MeshError::Inconsistent(format!("{got} selection flags for {want} cells")));
     }
-    match options.scheme {
-        Scheme::Red => red::refine(mesh, selected),
-        Scheme::LongestEdge => longest_edge::refine(mesh, selected),
-        Scheme::Sqrt3 => sqrt3::refine(mesh, history, selected, options),
+    let optimise = options.optimise;
+    let mut refined = match options.scheme {
+        // Its stages are interleaved with the optimiser.
+        Scheme::Sqrt3 => return sqrt3::refine(mesh, history, selected, options),
+        Scheme::Red => red::refine(mesh, selected)?,
+        Scheme::LongestEdge => longest_edge::refine(mesh, selected)?,
+    };
+    if optimise.mode == Mode::Best && optimise.objective == Objective::Quality {
+        let mut solid = Solid::new(&refined.mesh);
+        improve::optimise_quality(&mut solid, 0, &optimise);
+        refined.transfer.extend(solid.take_transfer());
+        refined.info.worst_sine = solid.worst_sine_of_all();
+        refined.mesh = solid.finish()?;
     }
+    Ok(refined)
 }
 
 /// The mesh optimised for analysis, by weighted interpolation error (see [`options::Objective::Error`]). `weights` has a positive
