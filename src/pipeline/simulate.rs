@@ -10,7 +10,6 @@ use crate::mesh::TetMesh;
 use crate::output::progress::Progress;
 use crate::output::report::{PROGRAM, PhaseSeconds, Report, SCHEMA, StepRecord, StopReason};
 use crate::scenario::{Scenario, Strategy};
-use crate::subdiv::options::{Mode, Objective};
 use crate::subdiv::{self, History, Refined};
 use std::time::Instant;
 
@@ -89,7 +88,7 @@ pub(super) fn simulate(
 fn refine(step: &Step<'_>, history: &History, plan: &Plan<'_>) -> Result<Refined, Error> {
     let options = &plan.scenario.refine.options;
     let mut refined = subdiv::refine(step.mesh, history, step.selected, options)?;
-    if options.optimise.mode == Mode::Best && options.optimise.objective == Objective::Error {
+    if options.optimise.ends_in_error() {
         let weights = subdiv::vertex_weights(step.mesh, &step.analysed.errors.squared);
         let weights = subdiv::carry_over(&weights, &refined.transfer);
         refined.mesh = subdiv::optimise_error(&refined.mesh, &weights, options.optimise.passes)?;

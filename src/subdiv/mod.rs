@@ -8,7 +8,7 @@ mod solid;
 mod sqrt3;
 
 use crate::mesh::{MeshError, TetMesh};
-use options::{Mode, Objective, Optimise, Options, Scheme};
+use options::{Optimise, Options, Scheme};
 use solid::Solid;
 
 pub use improve::error::{cost as cell_cost, vertex_weights};
@@ -117,7 +117,7 @@ pub fn refine(mesh: &TetMesh, history: &History, selected: &[bool], options: &Op
         Scheme::Red => red::refine(mesh, selected)?,
         Scheme::LongestEdge => longest_edge::refine(mesh, selected)?,
     };
-    if optimise.mode == Mode::Best && optimise.objective == Objective::Quality {
+    if optimise.ends_in_quality() {
         let mut solid = Solid::new(&refined.mesh);
         improve::optimise_quality(&mut solid, 0, &optimise);
         refined.transfer.extend(solid.take_transfer());

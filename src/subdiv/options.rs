@@ -64,6 +64,21 @@ pub struct Optimise {
     pub valence_limit: usize,
 }
 
+impl Optimise {
+    /// True if the last stage of a step raises the dihedral angles with all operations.
+    #[must_use]
+    pub fn ends_in_quality(&self) -> bool {
+        self.mode == Mode::Best && self.objective == Objective::Quality
+    }
+
+    /// True if the last stage of a step lowers the weighted interpolation error. It needs weights, so it is the caller's:
+    /// [`super::optimise_error`].
+    #[must_use]
+    pub fn ends_in_error(&self) -> bool {
+        self.mode == Mode::Best && self.objective == Objective::Error
+    }
+}
+
 impl Default for Optimise {
     fn default() -> Self {
         Self { mode: Mode::Paper, objective: Objective::Quality, passes: 3, target_angle: 32.0, valence_limit: 50 }

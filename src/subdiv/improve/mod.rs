@@ -16,7 +16,7 @@ pub(super) use edge_removal::{Filling, Measure, remove_edge};
 pub(super) use face_flip::FaceFlip;
 pub(super) use quality::optimise_quality;
 
-use super::options::Mode;
+use super::options::Optimise;
 use super::solid::{Ring, Solid};
 use crate::mesh::{quality::volume, topology};
 use freedom::Freedom;
@@ -31,9 +31,9 @@ pub(super) struct Improver {
 }
 
 impl Improver {
-    /// Tools for the given mode.
-    pub(super) fn new(mode: Mode) -> Self {
-        Self { filling: Filling::default(), smoother: Smoother::default(), parallel: mode == Mode::Best }
+    /// Tools for a scheme's own stages; parallel ones where the quality optimiser comes after them anyway.
+    pub(super) fn new(options: &Optimise) -> Self {
+        Self { filling: Filling::default(), smoother: Smoother::default(), parallel: options.ends_in_quality() }
     }
 
     /// Passes of edge removal and smoothing over the cells changed since `since` (and, in later passes, since the pass

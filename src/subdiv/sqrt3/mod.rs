@@ -10,7 +10,7 @@ mod interpolate;
 mod surface;
 
 use super::improve::{Improver, optimise_quality};
-use super::options::{Boundary, Mode, Objective, Optimise, Options};
+use super::options::{Boundary, Optimise, Options};
 use super::solid::Solid;
 use super::{Info, Refined, Stencil};
 use crate::mesh::{MeshError, TetMesh, topology};
@@ -47,7 +47,7 @@ pub(super) fn refine(
     let old = OldMesh::new(mesh, history, &selected);
     let mut solid = Solid::new(mesh);
     let start = solid.tick();
-    let mut improver = Improver::new(options.optimise.mode);
+    let mut improver = Improver::new(&options.optimise);
 
     split_cells(&mut solid, &selected);
     let mut faces = flip::flip_faces(&mut solid, &old);
@@ -65,10 +65,10 @@ pub(super) fn refine(
     let now = solid.tick();
     flip::retry_faces(&mut solid, &mut faces);
     surface::retry_edges(&mut solid, &mut edges, &mut improver.filling);
-    match (options.optimise.mode, options.optimise.objective) {
-        (Mode::Best, Objective::Quality) => optimise_quality(&mut solid, start, &options.optimise),
-        // For analysis the caller, who has the error estimate, adds the last stage.
-        _ => improver.improve(&mut solid, now, options.optimise.passes),
+    if options.optimise.ends_in_quality() {
+        optimise_quality(&mut solid, start, &options.optimise);
+    } else {
+        improver.improve(&mut solid, now, options.optimise.passes);
     }
 
     let creases = match options.boundary {
@@ -91,10 +91,7 @@ pub(super) fn refine(
 
 /// Passes of the paper's operations before boundary vertices move.
 fn before_smoothing(optimise: &Optimise) -> usize {
-    match optimise.mode {
-        Mode::Paper => optimise.passes,
-        Mode::Best => optimise.passes.min(1),
-    }
+    if optimise.ends_in_quality() { optimise.passes.min(1) } else { optimise.passes }
 }
 
 /// Flips of one kind: how many were done, which were refused, which lack a refined cell on one side.
