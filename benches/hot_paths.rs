@@ -1,0 +1,89 @@
+//! Benchmarks of the hot paths: `cargo bench`. Each runs on a box of 24,576 cells (16 x 16 x 16 bricks of six), clamped at
+//! one side and pulled at the other; refinement starts from 3,072 cells and makes about as many.
+#![allow(clippy::unwrap_used)]
+
+use divan::Bencher;
+use divan::counter::ItemsCount;
+use glam::DVec3;
+use subsolid::adapt::{self, options::Estimator};
+use subsolid::fem::options::{Method, SolverOptions};
+use subsolid::fem::{self, Load, LoadKind, Material, Model, Support};
+use subsolid::mesh::{TetMesh, features, generate};
+use subsolid::subdiv::options::{Mode, Objective, Optimise, Options, Scheme};
+use subsolid::subdiv::{self, History};
+
+fn main() {
+    divan::main();
+}
+
+fn cube(bricks: usize) -> TetMesh {
+    features::with_creases(generate::box_tets([1.0; 3], [bricks; 3]).unwrap(), 40.0, &[])
+}
+
+fn model(mesh: &TetMesh) -> Model {
+    let clamp = Support { name: "clamp".to_owned(), group: mesh.group("x-min").unwrap(), displacement: [Some(0.0); 3] };
+    let pull = LoadKind::Traction(mesh.group("x-max").unwrap(), DVec3::new(1.0, 0.0, -0.2));
+    let material = Material { youngs_modulus: 1000.0, poissons_ratio: 0.3, density: 0.0 };
+    Model {
+        materials: vec![material],
+        supports: vec![clamp],
+        loads: vec![Load { name: "pull".to_owned(), kind: pull }],
+    }
+}
+
+/// One step of all cells; the rate counts the cells made.
+fn refine(bencher: Bencher, scheme: Scheme, mode: Mode) {
+    let mesh = cube(8);
+    let all = vec![true; mesh.tets().len()];
+    let options = Options { scheme, optimise: Optimise { mode, ..Optimise::default() }, ..Options::default() };
+    let refined = || subdiv::refine(&mesh, &History::default(), &all, &options).unwrap().mesh;
+    bencher.counter(ItemsCount::new(refined().tets().len())).bench(refined);
+}
+
+#[divan::bench(args = [Scheme::Red, Scheme::Sqrt3, Scheme::LongestEdge])]
+fn refine_with_the_papers_operations(bencher: Bencher, scheme: Scheme) {
+    refine(bencher, scheme, Mode::Paper);
+}
+
+#[divan::bench(args = [Scheme::Red, Scheme::Sqrt3])]
+fn refine_for_quality(bencher: Bencher, scheme: Scheme) {
+    refine(bencher, scheme, Mode::Best);
+}
+
+#[divan::bench]
+fn optimise_for_error(bencher: Bencher) {
+    let mesh = cube(8);
+    let all = vec![true; mesh.tets().len()];
+    let optimise = Optimise { mode: Mode::Best, objective: Objective::Error, ..Optimise::default() };
+    let options = Options { optimise, ..Options::default() };
+    let mesh = subdiv::refine(&mesh, &History::default(), &all, &options).unwrap().mesh;
+    let weights = vec![1.0; mesh.points().len()];
+    let count = ItemsCount::new(mesh.tets().len());
+    bencher.counter(count).bench(|| subdiv::optimise_error(&mesh, &weights, optimise.passes).unwrap());
+}
+
+#[divan::bench]
+fn assemble(bencher: Bencher) {
+    let mesh = cube(16);
+    let model = model(&mesh);
+    bencher.counter(ItemsCount::new(mesh.tets().len())).bench(|| fem::assemble(&mesh, &model).unwrap());
+}
+
+#[divan::bench(args = [Method::Direct, Method::Cg])]
+fn solve(bencher: Bencher, method: Method) {
+    let mesh = cube(16);
+    let system = fem::assemble(&mesh, &model(&mesh)).unwrap();
+    let options = SolverOptions { method, ..SolverOptions::default() };
+    bencher.counter(ItemsCount::new(mesh.tets().len())).bench(|| fem::solve(&system, &options).unwrap());
+}
+
+#[divan::bench(args = [Estimator::Spr, Estimator::Averaging])]
+fn estimate(bencher: Bencher, estimator: Estimator) {
+    let mesh = cube(16);
+    let model = model(&mesh);
+    let system = fem::assemble(&mesh, &model).unwrap();
+    let solved = fem::solve(&system, &SolverOptions::default()).unwrap();
+    let stress = fem::recover(&mesh, &model, &system, &solved).stress;
+    let count = ItemsCount::new(mesh.tets().len());
+    bencher.counter(count).bench(|| adapt::estimate(&mesh, &model.materials, &stress, estimator));
+}
