@@ -3,7 +3,7 @@
 
 use proptest::prelude::*;
 use subsolid::mesh::{TetMesh, features, generate, quality};
-use subsolid::subdiv::options::{Options, Scheme};
+use subsolid::subdiv::options::{Mode, Objective, Optimise, Options, Scheme};
 use subsolid::subdiv::{self, History};
 
 fn unit_box(n: usize) -> TetMesh {
@@ -99,5 +99,23 @@ fn linear_fields_are_carried_over_exactly_and_wrong_lengths_are_refused() {
             assert!((low..=high).contains(value), "a mean lies between its parents");
         }
         assert!(subdiv::optimise_error(&mesh, &field, 1).is_err());
+    }
+}
+
+/// Refining at one corner again and again for analysis keeps the floor of 15 degrees and the valence in bounds.
+#[test]
+fn deep_refinement_for_analysis_keeps_angles_and_valence() {
+    let optimise = Optimise { mode: Mode::Best, objective: Objective::Error, ..Optimise::default() };
+    let options = Options { optimise, ..Options::default() };
+    let (mut mesh, mut history) = (unit_box(2), History::default());
+    for level in 1..=6 {
+        let at_corner: Vec<bool> =
+            mesh.tets().iter().map(|t| t.iter().any(|&v| mesh.points()[v as usize].length() < 1e-9)).collect();
+        let refined = subdiv::refine(&mesh, &history, &at_corner, &options).unwrap();
+        let weights = vec![1.0; refined.mesh.points().len()];
+        history = refined.history;
+        mesh = subdiv::optimise_error(&refined.mesh, &weights, 3).unwrap();
+        let quality = quality::quality(&mesh);
+        assert!(quality.worst > 14.9 && quality.max_valence <= 70, "level {level}: {quality:?}");
     }
 }

@@ -15,6 +15,9 @@ use super::solid::Solid;
 use super::{Info, Refined, Stencil};
 use crate::mesh::{MeshError, TetMesh, topology};
 
+/// Target angle in degrees of the repair before an error-driven stage: just enough that its floor of 15 degrees holds.
+const REPAIR_ANGLE: f64 = 22.0;
+
 /// What one step leaves for the next: operations that wait for their other side, and the parity of creases. All lists
 /// are sorted; vertices are sorted within each entry.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -69,6 +72,15 @@ pub(super) fn refine(
         optimise_quality(&mut solid, start, &options.optimise);
     } else {
         improver.improve(&mut solid, now, options.optimise.passes);
+        if options.optimise.ends_in_error() {
+            // The error-driven stage keeps the worst angle but does not raise it: without repair angles sink and valences
+            // grow from step to step.
+            optimise_quality(
+                &mut solid,
+                start,
+                &Optimise { target_angle: REPAIR_ANGLE, passes: 1, ..options.optimise },
+            );
+        }
     }
 
     let creases = match options.boundary {
