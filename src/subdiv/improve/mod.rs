@@ -1,4 +1,5 @@
-//! Mesh improvement by the paper's operations: edge removal and vertex smoothing, in passes over what changed.
+//! Mesh improvement in passes over what changed: by the paper's operations (here), for the angles ([`quality`]), for the
+//! interpolation error ([`error`]).
 
 mod edge_removal;
 pub(super) mod error;
