@@ -110,16 +110,15 @@ pub fn refine(mesh: &TetMesh, history: &History, selected: &[bool], options: &Op
         let (got, want) = (selected.len(), mesh.tets().len());
         return Err(MeshError::Inconsistent(format!("{got} selection flags for {want} cells")));
     }
-    let optimise = options.optimise;
     let mut refined = match options.scheme {
         // Its stages are interleaved with the optimiser.
         Scheme::Sqrt3 => return sqrt3::refine(mesh, history, selected, options),
         Scheme::Red => red::refine(mesh, selected)?,
         Scheme::LongestEdge => longest_edge::refine(mesh, selected)?,
     };
-    if optimise.ends_in_quality() {
+    if let Some(run) = options.optimise.quality_run() {
         let mut solid = Solid::new(&refined.mesh);
-        improve::optimise_quality(&mut solid, 0, &optimise);
+        improve::optimise_quality(&mut solid, 0, &run);
         refined.transfer.extend(solid.take_transfer());
         refined.info.worst_sine = solid.worst_sine_of_all();
         refined.mesh = solid.finish()?;

@@ -48,6 +48,9 @@ pub enum Objective {
     Error,
 }
 
+/// Target angle in degrees of the repair before an error-driven stage.
+const REPAIR_ANGLE: f64 = 28.0;
+
 /// Parameters of the optimisation of a refined mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Optimise {
@@ -65,10 +68,19 @@ pub struct Optimise {
 }
 
 impl Optimise {
-    /// True if the last stage of a step raises the dihedral angles with all operations.
+    /// The run of all operations for the dihedral angles that a step ends with, if it has one ([`Mode::Best`]).
+    ///
+    /// Before an error-driven stage it is a short one: that stage keeps the worst angle but does not raise it, and
+    /// without repair angles sink and valences grow from step to step.
     #[must_use]
-    pub fn ends_in_quality(&self) -> bool {
-        self.mode == Mode::Best && self.objective == Objective::Quality
+    pub fn quality_run(&self) -> Option<Self> {
+        match (self.mode, self.objective) {
+            (Mode::Paper, _) => None,
+            (Mode::Best, Objective::Quality) => Some(*self),
+            (Mode::Best, Objective::Error) => {
+                Some(Self { target_angle: self.target_angle.min(REPAIR_ANGLE), passes: self.passes.min(2), ..*self })
+            }
+        }
     }
 
     /// True if the last stage of a step lowers the weighted interpolation error. It needs weights, so it is the caller's:

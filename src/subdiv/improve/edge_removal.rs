@@ -137,6 +137,12 @@ pub(crate) fn remove_edge(
     if !can_remove(solid, edge, ring, measure, filling) {
         return false;
     }
+    replace_ring(solid, edge, ring, filling.triangles());
+    true
+}
+
+/// Fills the ring by these triangles of its link instead of the edge.
+pub(super) fn replace_ring(solid: &mut Solid, edge: [u32; 2], ring: &Ring, triangles: &[[usize; 3]]) {
     let [a, b] = edge;
     let link = &ring.vertices;
     let mut tag = solid.tag(ring.cells[0]);
@@ -144,7 +150,7 @@ pub(crate) fn remove_edge(
         tag.level = tag.level.max(solid.tag(t).level);
         solid.remove_cell(t);
     }
-    for [i, k, j] in filling.triangles().iter().copied() {
+    for [i, k, j] in triangles.iter().copied() {
         let [vi, vk, vj] = [link[i], link[k], link[j]];
         solid.add_cell([vi, vk, vj, b], tag);
         solid.add_cell([vi, vj, vk, a], tag);
@@ -152,7 +158,6 @@ pub(crate) fn remove_edge(
     if !ring.closed {
         flip_surface(solid, edge, link[0], link[link.len() - 1]);
     }
-    true
 }
 
 /// Finds the filling by which [`remove_edge`] would remove the edge; true if there is one.
@@ -163,10 +168,14 @@ pub(super) fn can_remove(
     measure: &Measure<'_>,
     filling: &mut Filling,
 ) -> bool {
+    may_replace(solid, edge, ring) && filling.solve(solid, edge, &ring.vertices, measure)
+}
+
+/// True if the topology allows the ring to be filled again without the edge.
+pub(super) fn may_replace(solid: &Solid, edge: [u32; 2], ring: &Ring) -> bool {
     let region = solid.tag(ring.cells[0]).region;
     ring.cells.iter().all(|&t| solid.tag(t).region == region)
         && (ring.closed || chord_is_free(solid, edge, &ring.vertices))
-        && filling.solve(solid, edge, &ring.vertices, measure)
 }
 
 /// A boundary edge may be replaced by the chord if the chord is not an edge yet and both ends keep at least two cells.

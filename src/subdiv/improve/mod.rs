@@ -17,7 +17,7 @@ pub(super) use edge_removal::{Filling, Measure, remove_edge};
 pub(super) use face_flip::FaceFlip;
 pub(super) use quality::optimise_quality;
 
-use super::options::Optimise;
+use super::options::{Mode, Optimise};
 use super::solid::{Ring, Solid};
 use crate::mesh::{quality::volume, topology};
 use freedom::Freedom;
@@ -34,7 +34,8 @@ pub(super) struct Improver {
 impl Improver {
     /// Tools for a scheme's own stages; parallel ones where the quality optimiser comes after them anyway.
     pub(super) fn new(options: &Optimise) -> Self {
-        Self { filling: Filling::default(), smoother: Smoother::default(), parallel: options.ends_in_quality() }
+        let parallel = options.mode == Mode::Best;
+        Self { filling: Filling::default(), smoother: Smoother::default(), parallel }
     }
 
     /// Passes of edge removal and smoothing over the cells changed since `since` (and, in later passes, since the pass

@@ -10,13 +10,10 @@ mod interpolate;
 mod surface;
 
 use super::improve::{Improver, optimise_quality};
-use super::options::{Boundary, Optimise, Options};
+use super::options::{Boundary, Mode, Optimise, Options};
 use super::solid::Solid;
 use super::{Info, Refined, Stencil};
 use crate::mesh::{MeshError, TetMesh, topology};
-
-/// Target angle in degrees of the repair before an error-driven stage: just enough that its floor of 15 degrees holds.
-const REPAIR_ANGLE: f64 = 22.0;
 
 /// What one step leaves for the next: operations that wait for their other side, and the parity of creases. All lists
 /// are sorted; vertices are sorted within each entry.
@@ -68,19 +65,9 @@ pub(super) fn refine(
     let now = solid.tick();
     flip::retry_faces(&mut solid, &mut faces);
     surface::retry_edges(&mut solid, &mut edges, &mut improver.filling);
-    if options.optimise.ends_in_quality() {
-        optimise_quality(&mut solid, start, &options.optimise);
-    } else {
-        improver.improve(&mut solid, now, options.optimise.passes);
-        if options.optimise.ends_in_error() {
-            // The error-driven stage keeps the worst angle but does not raise it: without repair angles sink and valences
-            // grow from step to step.
-            optimise_quality(
-                &mut solid,
-                start,
-                &Optimise { target_angle: REPAIR_ANGLE, passes: 1, ..options.optimise },
-            );
-        }
+    match options.optimise.quality_run() {
+        Some(run) => optimise_quality(&mut solid, start, &run),
+        None => improver.improve(&mut solid, now, options.optimise.passes),
     }
 
     let creases = match options.boundary {
@@ -103,7 +90,10 @@ pub(super) fn refine(
 
 /// Passes of the paper's operations before boundary vertices move.
 fn before_smoothing(optimise: &Optimise) -> usize {
-    if optimise.ends_in_quality() { optimise.passes.min(1) } else { optimise.passes }
+    match optimise.mode {
+        Mode::Paper => optimise.passes,
+        Mode::Best => optimise.passes.min(1),
+    }
 }
 
 /// Flips of one kind: how many were done, which were refused, which lack a refined cell on one side.

@@ -1,116 +1,139 @@
 //! What a cell costs: the expected interpolation error of a random quadratic on it, and its gradient.
 //!
 //! Let q be a quadratic with a random Hessian H whose entries satisfy `E[H_ij H_kl] = d_ik d_jl + d_il d_jk` (no
-//! direction is preferred), and I q its linear interpolant at the vertices. On a tetrahedron with centroid c, volume V,
-//! edges e, barycentric gradients g_k and y_k = x_k - c,
+//! direction is preferred), and I q its linear interpolant at the vertices. On a tetrahedron with volume V and the edges
+//! e_1, e_2, e_3 from one of its vertices, let A be their Gram matrix `A_ij = e_i . e_j` and B its adjugate; the
+//! gradients of the barycentric coordinates have the Gram matrix `B / det A`, and `det A = 36 V^2`. Then
 //!
-//! `E int |grad(q - I q)|^2 = V/20 sum_e |e|^2 + V/2 sum_kl (g_k . g_l) (y_k . y_l)^2`:
+//! `E int |grad(q - I q)|^2 = V sum_edges |e|^2 / 20 + V (sum_ij B_ij A_ij^2 / (2 det A) - |e_1 + e_2 + e_3|^2 / 4)`:
 //!
 //! the first term is the part that varies linearly in the cell, the second the error of the interpolant's constant
 //! gradient. It scales with length^5, and grows without bound when the cell flattens.
+//!
+//! Everything here is free of branches, so that loops over cells become vector instructions.
 
-use crate::mesh::quality::face_normals;
 use glam::DVec3;
 
 /// The cost of the tetrahedron; infinite unless its volume is positive.
-pub fn cost(x: [DVec3; 4]) -> f64 {
-    Shape::new(x).map_or(f64::INFINITY, |shape| shape.cost())
+pub fn cost([p, a, b, c]: [DVec3; 4]) -> f64 {
+    Shape::new([a - p, b - p, c - p]).cost()
 }
 
-/// The cost and the minimum sine of the dihedral angles; `None` unless the volume is positive.
-pub(crate) fn cost_and_sine(x: [DVec3; 4]) -> Option<(f64, f64)> {
-    let shape = Shape::new(x)?;
-    let squares = shape.normals.map(DVec3::length_squared);
-    // sin = 6 V |e| / (|N_k| |N_l|) at the edge between the faces k and l.
-    let ratio = |i: usize, j: usize, k: usize, l: usize| (x[j] - x[i]).length_squared() / (squares[k] * squares[l]);
-    let least = ratio(0, 1, 2, 3)
-        .min(ratio(0, 2, 1, 3))
-        .min(ratio(0, 3, 1, 2))
-        .min(ratio(1, 2, 0, 3))
-        .min(ratio(1, 3, 0, 2))
-        .min(ratio(2, 3, 0, 1));
-    Some((shape.cost(), 6.0 * shape.volume * least.sqrt()))
-}
-
-/// The cost and its gradient with respect to the first vertex; `None` unless the volume is positive.
-pub(crate) fn cost_and_gradient(x: [DVec3; 4]) -> Option<(f64, DVec3)> {
-    let shape = Shape::new(x)?;
-    Some((shape.cost(), shape.gradient(x)))
-}
-
-/// What cost and gradient have in common.
-struct Shape {
-    volume: f64,
-    /// Outward normals of the faces opposite to the vertices, of twice the area: g_k = -N_k / (6 V).
-    normals: [DVec3; 4],
-    /// y_k = x_k - c.
-    arms: [DVec3; 4],
-    /// y_k . y_l.
-    products: [[f64; 4]; 4],
-    /// Sum of the squared edge lengths, = 4 sum_k |y_k|^2.
-    edges: f64,
-    /// sum_kl (N_k . N_l) (y_k . y_l)^2.
-    constant: f64,
+/// A tetrahedron by its edges from one vertex, positive if their triple product is.
+pub(super) struct Shape {
+    edges: [DVec3; 3],
+    /// Six times the volume.
+    pub(super) six_volumes: f64,
+    /// A_11, A_22, A_33.
+    squares: [f64; 3],
+    /// A_23, A_13, A_12: the product without the first, second, third edge.
+    products: [f64; 3],
+    /// B_11, B_22, B_33: the squared lengths of the normals of the faces at the vertex.
+    normals: [f64; 3],
+    /// B_23, B_13, B_12.
+    cofactors: [f64; 3],
 }
 
 impl Shape {
-    fn new(x: [DVec3; 4]) -> Option<Self> {
-        let normals = face_normals(x);
-        let volume = normals[3].dot(x[0] - x[3]) / 6.0;
-        if volume.is_nan() || volume <= 0.0 {
-            return None;
+    #[inline(always)]
+    pub(super) fn new(edges: [DVec3; 3]) -> Self {
+        let [e, f, g] = edges;
+        let (squares, products) = ([e.dot(e), f.dot(f), g.dot(g)], [f.dot(g), e.dot(g), e.dot(f)]);
+        let ([a, b, c], [d, h, i]) = (squares, products);
+        Self {
+            edges,
+            six_volumes: e.dot(f.cross(g)),
+            squares,
+            products,
+            normals: [b * c - d * d, a * c - h * h, a * b - i * i],
+            cofactors: [h * i - a * d, i * d - b * h, d * h - c * i],
         }
-        let centre = 0.25 * (x[0] + x[1] + x[2] + x[3]);
-        let arms = x.map(|p| p - centre);
-        let products = arms.map(|a| arms.map(|b| a.dot(b)));
-        let edges = 4.0 * (0..4).map(|k| products[k][k]).sum::<f64>();
-        let pair = |k: usize, l: usize| normals[k].dot(normals[l]) * products[k][l] * products[k][l];
-        let diagonal: f64 = (0..4).map(|k| pair(k, k)).sum();
-        let rest = pair(0, 1) + pair(0, 2) + pair(0, 3) + pair(1, 2) + pair(1, 3) + pair(2, 3);
-        Some(Self { volume, normals, arms, products, edges, constant: diagonal + 2.0 * rest })
     }
 
-    fn cost(&self) -> f64 {
-        self.volume * self.edges / 20.0 + self.constant / (72.0 * self.volume)
+    /// Sum of |e|^2 / 20 over the edges, less |e_1 + e_2 + e_3|^2 / 4.
+    #[inline(always)]
+    fn level(&self) -> f64 {
+        let ([a, b, c], [d, h, i]) = (self.squares, self.products);
+        let (trace, off) = (a + b + c, d + h + i);
+        (3.0 * trace - 2.0 * off) / 20.0 - (trace + 2.0 * off) / 4.0
     }
 
-    /// By the product rule, with dV = -N_0 . dx / 6, dN_k = (w - u) x dx for the face (x_0, u, w), dy_0 = 3/4 dx and
-    /// dy_k = -1/4 dx else.
-    fn gradient(&self, x: [DVec3; 4]) -> DVec3 {
-        let Self { volume, normals, arms, products, edges, constant } = self;
-        let volume_gradient = -normals[0] / 6.0;
-        let edges_gradient = 8.0 * arms[0];
-        let shares = [0.75, -0.25, -0.25, -0.25];
-        // sum_l (y_k . y_l)^2 N_l
-        let pulls: [DVec3; 4] = std::array::from_fn(|k| {
-            (0..4).fold(DVec3::ZERO, |sum, l| sum + products[k][l] * products[k][l] * normals[l])
-        });
-        let turning = pulls[1].cross(x[2] - x[3]) + pulls[2].cross(x[3] - x[1]) + pulls[3].cross(x[1] - x[2]);
-        let stretching = (0..4).fold(DVec3::ZERO, |sum, l| {
-            let factor: f64 = (0..4).map(|k| shares[k] * normals[k].dot(normals[l]) * products[k][l]).sum();
-            sum + factor * arms[l]
-        });
-        let constant_gradient = 2.0 * turning + 4.0 * stretching;
-        (volume_gradient * *edges + *volume * edges_gradient) / 20.0
-            + (constant_gradient - volume_gradient * (constant / volume)) / (72.0 * volume)
+    /// sum_ij B_ij A_ij^2.
+    #[inline(always)]
+    fn constant(&self) -> f64 {
+        let ([a, b, c], [d, h, i]) = (self.squares, self.products);
+        let ([ba, bb, bc], [bd, bh, bi]) = (self.normals, self.cofactors);
+        ba * a * a + bb * b * b + bc * c * c + 2.0 * (bd * d * d + bh * h * h + bi * i * i)
     }
+
+    /// The cost; infinite unless the volume is positive.
+    #[inline(always)]
+    pub(super) fn cost(&self) -> f64 {
+        let value = self.six_volumes * self.level() / 6.0 + self.constant() / (12.0 * self.six_volumes);
+        if self.six_volumes > 0.0 { value } else { f64::INFINITY }
+    }
+
+    /// Square of the smallest sine of the dihedral angles; for positive volumes.
+    ///
+    /// `sin = 6 V |e| / (|N_k| |N_l|)` at the edge between the faces k and l.
+    #[inline(always)]
+    pub(super) fn squared_sine(&self) -> f64 {
+        let ([a, b, c], [d, h, i]) = (self.squares, self.products);
+        let ([ba, bb, bc], [bd, bh, bi]) = (self.normals, self.cofactors);
+        let opposite = ba + bb + bc + 2.0 * (bd + bh + bi);
+        let at_vertex = least(a / (bb * bc), least(b / (ba * bc), c / (ba * bb)));
+        let at_face = least((b + c - 2.0 * d) / ba, least((a + c - 2.0 * h) / bb, (a + b - 2.0 * i) / bc));
+        self.six_volumes * self.six_volumes * least(at_vertex, at_face / opposite)
+    }
+
+    /// Gradient of the cost with respect to the vertex from which the edges start.
+    ///
+    /// By the product rule: all edges lose what the vertex gains, so `dA_ij = -(e_i + e_j) . dx`, and
+    /// `d(6V) = -(e_2 x e_3 + e_3 x e_1 + e_1 x e_2) . dx`.
+    #[inline(always)]
+    pub(super) fn gradient(&self) -> DVec3 {
+        let ([a, b, c], [d, h, i]) = (self.squares, self.products);
+        let ([ba, bb, bc], [bd, bh, bi]) = (self.normals, self.cofactors);
+        let [e, f, g] = self.edges;
+        let (by_level, by_constant) = (self.six_volumes / 6.0, 1.0 / (12.0 * self.six_volumes));
+        // Derivatives of `level` are -0.1 for each square and -0.6 for each product.
+        let square = |b: f64, x: f64, y: f64, z: f64, p: f64| {
+            by_constant * (2.0 * b * x + y * z * (y + z) - 2.0 * p * p * p) - 0.1 * by_level
+        };
+        let product = |b: f64, p: f64, x: f64, q: f64, r: f64| {
+            by_constant * (4.0 * b * p - 2.0 * p * x * (p + x) + 2.0 * q * r * (q + r)) - 0.6 * by_level
+        };
+        let (ta, tb, tc) = (square(ba, a, b, c, d), square(bb, b, a, c, h), square(bc, c, a, b, i));
+        let (td, th, ti) = (product(bd, d, a, h, i), product(bh, h, b, d, i), product(bi, i, c, d, h));
+        let by_volume = self.level() / 6.0 - by_constant * self.constant() / self.six_volumes;
+        let area = f.cross(g) + g.cross(e) + e.cross(f);
+        -((2.0 * ta + th + ti) * e + (2.0 * tb + td + ti) * f + (2.0 * tc + td + th) * g + by_volume * area)
+    }
+}
+
+/// The smaller of two numbers, as one instruction.
+#[inline(always)]
+fn least(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::quality;
 
     const CELL: [DVec3; 4] =
         [DVec3::new(-0.2, 0.1, 0.05), DVec3::new(1.0, 0.1, 0.2), DVec3::new(0.3, 1.1, -0.1), DVec3::new(0.2, 0.4, 0.9)];
 
     /// Integral of |grad(q - I q)|^2 for q = x.H.x / 2 by a rule exact for quadratics.
     fn exact_error(x: [DVec3; 4], h: glam::DMat3) -> f64 {
-        let shape = Shape::new(x).unwrap();
+        let six_volumes = 6.0 * quality::volume(x);
+        let normals = quality::face_normals(x);
         let value = |p: DVec3| 0.5 * p.dot(h * p);
-        let interpolant = (0..4).fold(DVec3::ZERO, |g, k| g - shape.normals[k] / (6.0 * shape.volume) * value(x[k]));
+        let interpolant = (0..4).fold(DVec3::ZERO, |g, k| g - normals[k] / six_volumes * value(x[k]));
         let (a, b) = ((5.0 + 3.0 * 5.0_f64.sqrt()) / 20.0, (5.0 - 5.0_f64.sqrt()) / 20.0);
         let at = |k: usize| (0..4).fold(DVec3::ZERO, |p, l| p + if k == l { a } else { b } * x[l]);
-        (0..4).map(|k| shape.volume / 4.0 * (h * at(k) - interpolant).length_squared()).sum()
+        (0..4).map(|k| six_volumes / 24.0 * (h * at(k) - interpolant).length_squared()).sum()
     }
 
     #[test]
@@ -131,8 +154,10 @@ mod tests {
 
     #[test]
     fn the_gradient_is_that_of_finite_differences() {
-        let (value, gradient) = cost_and_gradient(CELL).unwrap();
-        assert!((value - cost(CELL)).abs() < 1e-15);
+        let [p, a, b, c] = CELL;
+        let shape = Shape::new([a - p, b - p, c - p]);
+        let gradient = shape.gradient();
+        assert!((shape.squared_sine().sqrt() - quality::min_sine(CELL)).abs() < 1e-14);
         let moved = |d: DVec3| cost([CELL[0] + d, CELL[1], CELL[2], CELL[3]]);
         for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
             let slope = (moved(1e-6 * axis) - moved(-1e-6 * axis)) / 2e-6;

@@ -2,21 +2,23 @@
 //!
 //! It lowers the sum over the cells of weight times [`cost::cost`], the expected interpolation error of a random
 //! quadratic. The weights come from an error estimate, so that accuracy is bought where it pays. Moves: edge removal (at
-//! flat boundary edges too), 2-3 flips, vertex moves (boundary vertices slide in their plane or along their crease). The
+//! flat boundary edges too), vertex moves (boundary vertices slide in their plane or along their crease). The
 //! worst angle is a floor only: no move makes a cell below the floor that was not.
 
 mod cost;
+mod filling;
+mod lanes;
 mod relocate;
 
-use super::edge_removal::{CellPrice, Filling, Measure, can_remove, remove_edge};
+use super::edge_removal::{may_replace, replace_ring};
 use super::freedom::freedoms;
+use super::is_removable;
 use super::parallel::{select, sweep, vertices_of};
-use super::{FaceFlip, is_removable};
 use crate::mesh::{TetMesh, topology};
-use crate::subdiv::solid::{Ring, Solid};
+use crate::subdiv::solid::Solid;
 pub use cost::cost;
-use cost::cost_and_sine;
-use glam::DVec3;
+use filling::Filling;
+use lanes::Fan;
 use rayon::prelude::*;
 
 /// Sine of 15 degrees: cells at least this good stay so.
@@ -50,16 +52,15 @@ fn weight(weights: &[f64], tet: [u32; 4]) -> f64 {
 pub(crate) fn optimise_error(solid: &mut Solid, weights: &[f64], passes: usize) {
     let freedoms = freedoms(solid);
     let rounding = 4.0 * f64::EPSILON * solid.largest_coordinate();
-    let mut filling = Filling::default();
     let mut since = 0;
     for _ in 0..passes {
         let now = solid.tick();
-        let removed = remove_edges(solid, weights, since, rounding, &mut filling);
-        let flipped = flip_faces(solid, weights, since);
+        let removed = remove_edges(solid, weights, since, rounding);
         let vertices = vertices_of(solid, solid.cells_since(since));
-        let propose = |(): &mut (), solid: &Solid, v, freedom| relocate::better(solid, weights, v, freedom, FLOOR);
-        let moved = sweep(solid, &freedoms, vertices, || (), propose);
-        if removed + flipped + moved == 0 {
+        let propose =
+            |fan: &mut Fan, solid: &Solid, v, freedom| relocate::better(fan, solid, weights, v, freedom, FLOOR);
+        let moved = sweep(solid, &freedoms, vertices, Fan::default, propose);
+        if removed + moved == 0 {
             break;
         }
         since = now;
@@ -67,65 +68,22 @@ pub(crate) fn optimise_error(solid: &mut Solid, weights: &[f64], passes: usize) 
 }
 
 /// Removes the edges whose rings cost less without them; returns how many.
-fn remove_edges(solid: &mut Solid, weights: &[f64], since: u32, rounding: f64, filling: &mut Filling) -> usize {
+fn remove_edges(solid: &mut Solid, weights: &[f64], since: u32, rounding: f64) -> usize {
     let mut edges: Vec<[u32; 2]> = solid.cells_since(since).flat_map(|t| topology::tet_edges(solid.tet(t))).collect();
     edges.par_sort_unstable();
     edges.dedup();
-    let worth = |filling: &mut Filling, &edge: &[u32; 2]| {
-        removable_ring(solid, edge, rounding).is_some_and(|ring| {
-            let price = priced(weights);
-            can_remove(solid, edge, &ring, &cheaper(solid, weights, &ring, &price), filling)
-        })
+    let cheaper = |filling: &mut Filling, solid: &Solid, edge: [u32; 2]| {
+        let ring = solid.ring(edge[0], edge[1]).filter(|ring| is_removable(solid, edge, ring, rounding))?;
+        let found = may_replace(solid, edge, &ring) && filling.solve(solid, weights, edge, &ring, (1.0 - GAIN, FLOOR));
+        found.then_some(ring)
     };
+    let mut filling = Filling::default();
     let mut removed = 0;
-    for edge in select(edges, worth) {
-        let Some(ring) = removable_ring(solid, edge, rounding) else { continue };
-        let price = priced(weights);
-        let measure = cheaper(solid, weights, &ring, &price);
-        removed += usize::from(remove_edge(solid, edge, &ring, &measure, filling));
-    }
-    removed
-}
-
-/// The ring of an edge that may go.
-fn removable_ring(solid: &Solid, edge: [u32; 2], rounding: f64) -> Option<Ring> {
-    solid.ring(edge[0], edge[1]).filter(|ring| is_removable(solid, edge, ring, rounding))
-}
-
-/// Weighted cost and minimum sine of a cell.
-fn priced(weights: &[f64]) -> impl Fn([u32; 4], [DVec3; 4]) -> Option<(f64, f64)> {
-    |tet, points| cost_and_sine(points).map(|(cost, sine)| (weight(weights, tet) * cost, sine))
-}
-
-/// What a filling of the ring must be better than.
-fn cheaper<'a>(solid: &Solid, weights: &[f64], ring: &Ring, price: &'a CellPrice<'a>) -> Measure<'a> {
-    let old: f64 = ring.cells.iter().map(|&t| weight(weights, solid.tet(t)) * cost(solid.cell_points(t))).sum();
-    Measure::LeastSum { cost: price, below: (1.0 - GAIN) * old, floor: solid.worst_sine(&ring.cells).min(FLOOR) }
-}
-
-/// 2-3 flips of the interior faces that lower the cost; returns how many.
-fn flip_faces(solid: &mut Solid, weights: &[f64], since: u32) -> usize {
-    let mut faces: Vec<[u32; 3]> =
-        solid.cells_since(since).flat_map(|t| topology::tet_faces(solid.tet(t))).map(topology::sorted3).collect();
-    faces.par_sort_unstable();
-    faces.dedup();
-    let worth = |(): &mut (), face: &[u32; 3]| cheaper_flip(solid, weights, *face).is_some();
-    let mut flipped = 0;
-    for face in select(faces, worth) {
-        if let Some(flip) = cheaper_flip(solid, weights, face) {
-            flip.perform(solid);
-            flipped += 1;
+    for edge in select(edges, |filling, &edge| cheaper(filling, solid, edge).is_some()) {
+        if let Some(ring) = cheaper(&mut filling, solid, edge) {
+            replace_ring(solid, edge, &ring, &filling.triangles());
+            removed += 1;
         }
     }
-    flipped
-}
-
-/// The flip of a face if it lowers the cost.
-fn cheaper_flip(solid: &Solid, weights: &[f64], face: [u32; 3]) -> Option<FaceFlip> {
-    let flip = FaceFlip::of(solid, face)?;
-    let price = |tet: [u32; 4]| weight(weights, tet) * cost(tet.map(|v| solid.point(v)));
-    let old: f64 = flip.cells.iter().map(|&t| price(solid.tet(t))).sum();
-    let new: f64 = flip.children.iter().map(|&c| price(c)).sum();
-    let floor = solid.worst_sine(&flip.cells).min(FLOOR);
-    (new < (1.0 - GAIN) * old && flip.worst_sine(solid) >= floor).then_some(flip)
+    removed
 }
