@@ -56,10 +56,11 @@ fn optimise_for_error(bencher: Bencher) {
     let all = vec![true; mesh.tets().len()];
     let optimise = Optimise { mode: Mode::Best, objective: Objective::Error, ..Optimise::default() };
     let options = Options { optimise, ..Options::default() };
+    let first = mesh.points().len();
     let mesh = subdiv::refine(&mesh, &History::default(), &all, &options).unwrap().mesh;
     let weights = vec![1.0; mesh.points().len()];
     let count = ItemsCount::new(mesh.tets().len());
-    bencher.counter(count).bench(|| subdiv::optimise_error(&mesh, &weights, optimise.passes).unwrap());
+    bencher.counter(count).bench(|| subdiv::optimise_error(&mesh, &weights, optimise.passes, first).unwrap());
 }
 
 #[divan::bench]

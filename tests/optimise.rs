@@ -61,13 +61,21 @@ proptest! {
         let (mesh, _) = refined(scheme, regions, |t| red || random(t as u64) % 3 > 0);
         let weights: Vec<f64> = (0..mesh.points().len()).map(|v| 1.0 + (random(v as u64) % 100) as f64).collect();
         // TetMesh::new inside checks that all cells are positive and the boundary is complete.
-        let optimised = subdiv::optimise_error(&mesh, &weights, 3).unwrap();
-        prop_assert!(weighted_cost(&optimised, &weights) < weighted_cost(&mesh, &weights));
-        for (old, new) in measures(&mesh).into_iter().zip(measures(&optimised)) {
-            prop_assert!((old - new).abs() < 1e-12 * old, "{} {}", old, new);
+        let run = |first: usize| subdiv::optimise_error(&mesh, &weights, 3, first).unwrap();
+        let all = run(mesh.points().len());
+        prop_assert_eq!(all.mesh.points().len(), mesh.points().len());
+        prop_assert!(weighted_cost(&all.mesh, &weights) < weighted_cost(&mesh, &weights));
+        let fewer = run(27);
+        prop_assert!(fewer.kept.windows(2).all(|k| k[0] < k[1]) && fewer.kept[..27].iter().copied().eq(0..27));
+        let constant = |mesh: &TetMesh, weights: &[f64]| weighted_cost(mesh, weights) * (mesh.points().len() as f64).powf(2.0 / 3.0);
+        prop_assert!(constant(&fewer.mesh, &fewer.carry_over(&weights)) < constant(&mesh, &weights));
+        for optimised in [&all.mesh, &fewer.mesh] {
+            for (old, new) in measures(&mesh).into_iter().zip(measures(optimised)) {
+                prop_assert!((old - new).abs() < 1e-12 * old, "{} {}", old, new);
+            }
+            let floor = quality::quality(&mesh).worst.min(14.99);
+            prop_assert!(quality::quality(optimised).worst >= floor);
         }
-        let floor = quality::quality(&mesh).worst.min(14.99);
-        prop_assert!(quality::quality(&optimised).worst >= floor);
     }
 }
 
@@ -75,8 +83,8 @@ proptest! {
 fn the_same_input_gives_the_same_mesh_and_weights_move_vertices_where_they_are_large() {
     let (mesh, _) = refined(Scheme::Red, false, |_| true);
     let weights: Vec<f64> = mesh.points().iter().map(|p| if p.x < 0.5 { 100.0 } else { 1.0 }).collect();
-    let (a, b) =
-        (subdiv::optimise_error(&mesh, &weights, 3).unwrap(), subdiv::optimise_error(&mesh, &weights, 3).unwrap());
+    let run = || subdiv::optimise_error(&mesh, &weights, 3, mesh.points().len()).unwrap().mesh;
+    let (a, b) = (run(), run());
     assert_eq!((a.tets(), a.points()), (b.tets(), b.points()));
     let left = |m: &TetMesh| m.points().iter().map(|p| p.x).sum::<f64>();
     assert!(left(&a) < left(&mesh), "vertices gather where the weights are large");
@@ -98,7 +106,7 @@ fn linear_fields_are_carried_over_exactly_and_wrong_lengths_are_refused() {
             let (low, high) = parents.iter().fold((f64::MAX, f64::MIN), |(l, h), p| (l.min(*p), h.max(*p)));
             assert!((low..=high).contains(value), "a mean lies between its parents");
         }
-        assert!(subdiv::optimise_error(&mesh, &field, 1).is_err());
+        assert!(subdiv::optimise_error(&mesh, &field, 1, 0).is_err());
     }
 }
 
@@ -108,13 +116,15 @@ fn deep_refinement_for_analysis_keeps_angles_and_valence() {
     let optimise = Optimise { mode: Mode::Best, objective: Objective::Error, ..Optimise::default() };
     let options = Options { optimise, ..Options::default() };
     let (mut mesh, mut history) = (unit_box(2), History::default());
+    let input = mesh.points().len();
     for level in 1..=6 {
         let at_corner: Vec<bool> =
             mesh.tets().iter().map(|t| t.iter().any(|&v| mesh.points()[v as usize].length() < 1e-9)).collect();
         let refined = subdiv::refine(&mesh, &history, &at_corner, &options).unwrap();
         let weights = vec![1.0; refined.mesh.points().len()];
-        history = refined.history;
-        mesh = subdiv::optimise_error(&refined.mesh, &weights, 3).unwrap();
+        let optimised = subdiv::optimise_error(&refined.mesh, &weights, 3, input).unwrap();
+        history = refined.history.renumbered(&optimised.kept);
+        mesh = optimised.mesh;
         let quality = quality::quality(&mesh);
         assert!(quality.worst > 14.9 && quality.max_valence <= 70, "level {level}: {quality:?}");
     }

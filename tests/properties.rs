@@ -269,7 +269,9 @@ fn step(mesh: &TetMesh, history: &History, selection: Selection, options: &Optio
     }
     let weights: Vec<f64> = mesh.points().iter().map(|p| 1.0 + p.length_squared()).collect();
     let weights = subdiv::carry_over(&weights, &refined.transfer);
-    (subdiv::optimise_error(&refined.mesh, &weights, options.optimise.passes).unwrap(), refined.history)
+    let first = mesh.points().len();
+    let optimised = subdiv::optimise_error(&refined.mesh, &weights, options.optimise.passes, first).unwrap();
+    (optimised.mesh, refined.history.renumbered(&optimised.kept))
 }
 
 proptest! {

@@ -160,13 +160,16 @@ fn constant_after_two_steps(scheme: Scheme, mode: Mode) -> f64 {
     let mut mesh = features::with_creases(box_tets([1.0; 3], [4; 3]).unwrap(), 40.0, &[]);
     let mut history = subdiv::History::default();
     let optimise = Optimise { mode, objective: Objective::Error, ..Optimise::default() };
+    let first = mesh.points().len();
     for _ in 0..2 {
         let all = vec![true; mesh.tets().len()];
         let options = Options { scheme, optimise, ..Options::default() };
         let refined = subdiv::refine(&mesh, &history, &all, &options).unwrap();
         (mesh, history) = (refined.mesh, refined.history);
         if optimise.ends_in_error() {
-            mesh = subdiv::optimise_error(&mesh, &vec![1.0; mesh.points().len()], optimise.passes).unwrap();
+            let weights = vec![1.0; mesh.points().len()];
+            let optimised = subdiv::optimise_error(&mesh, &weights, optimise.passes, first).unwrap();
+            (mesh, history) = (optimised.mesh, history.renumbered(&optimised.kept));
         }
     }
     smooth_cube_error_on(&mesh, 0.3) * (3.0 * mesh.points().len() as f64).cbrt()

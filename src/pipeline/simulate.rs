@@ -10,7 +10,7 @@ use crate::mesh::TetMesh;
 use crate::output::progress::Progress;
 use crate::output::report::{PROGRAM, PhaseSeconds, Report, SCHEMA, StepRecord, StopReason};
 use crate::scenario::{Scenario, Strategy};
-use crate::subdiv::{self, History, Refined};
+use crate::subdiv::{self, History};
 use std::time::Instant;
 
 /// What the loop needs besides the problem.
@@ -68,8 +68,8 @@ pub(super) fn simulate(
         }
         let _phase = plan.progress.phase(format!("step {}: refine", index + 1));
         refine_seconds = 0.0;
-        let refined = timed(&mut refine_seconds, || refine(&step, &history, plan))?;
-        (mesh, history) = (refined.mesh, refined.history);
+        let input = problem.mesh.points().len();
+        (mesh, history) = timed(&mut refine_seconds, || refine(&step, &history, plan, input))?;
     };
     Ok(Report {
         schema: SCHEMA,
@@ -84,16 +84,18 @@ pub(super) fn simulate(
     })
 }
 
-/// The next mesh: refined, and optimised for analysis where the scenario says so, with weights from the error estimate.
-fn refine(step: &Step<'_>, history: &History, plan: &Plan<'_>) -> Result<Refined, Error> {
+/// The next mesh and its history: refined, and optimised for analysis where the scenario says so, with weights from the
+/// error estimate. The first `input` vertices are those of the mesh that was read.
+fn refine(step: &Step<'_>, history: &History, plan: &Plan<'_>, input: usize) -> Result<(TetMesh, History), Error> {
     let options = &plan.scenario.refine.options;
-    let mut refined = subdiv::refine(step.mesh, history, step.selected, options)?;
-    if options.optimise.ends_in_error() {
-        let weights = subdiv::vertex_weights(step.mesh, &step.analysed.errors.squared);
-        let weights = subdiv::carry_over(&weights, &refined.transfer);
-        refined.mesh = subdiv::optimise_error(&refined.mesh, &weights, options.optimise.passes)?;
+    let refined = subdiv::refine(step.mesh, history, step.selected, options)?;
+    if !options.optimise.ends_in_error() {
+        return Ok((refined.mesh, refined.history));
     }
-    Ok(refined)
+    let weights = subdiv::vertex_weights(step.mesh, &step.analysed.errors.squared);
+    let weights = subdiv::carry_over(&weights, &refined.transfer);
+    let optimised = subdiv::optimise_error(&refined.mesh, &weights, options.optimise.passes, input)?;
+    Ok((optimised.mesh, refined.history.renumbered(&optimised.kept)))
 }
 
 /// Runs `work` and adds its wall time to `seconds`.

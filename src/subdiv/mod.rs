@@ -126,17 +126,37 @@ pub fn refine(mesh: &TetMesh, history: &History, selected: &[bool], options: &Op
     Ok(refined)
 }
 
-/// The mesh optimised for analysis, by weighted interpolation error (see [`options::Objective::Error`]). `weights` has a positive
-/// entry for each vertex, such as [`vertex_weights`] gives; equal entries where nothing is known.
+/// A mesh optimised for analysis.
+#[derive(Debug, Clone)]
+pub struct Optimised {
+    /// The mesh.
+    pub mesh: TetMesh,
+    /// The number that each of its vertices had before. The order is kept: numbers only close up where vertices are gone.
+    pub kept: Vec<u32>,
+}
+
+impl Optimised {
+    /// Carries a field at the vertices over.
+    #[must_use]
+    pub fn carry_over<T: Copy>(&self, field: &[T]) -> Vec<T> {
+        self.kept.iter().map(|&v| field[v as usize]).collect()
+    }
+}
+
+/// Optimises a mesh for analysis, by weighted interpolation error (see [`options::Objective::Error`]). `weights` has a
+/// positive entry for each vertex, such as [`vertex_weights`] gives; equal entries where nothing is known. The vertices
+/// before number `first` stay; later ones in the interior go where they are not worth their price.
 ///
 /// # Errors
 /// [`MeshError::Inconsistent`] if there is not one weight a vertex.
-pub fn optimise_error(mesh: &TetMesh, weights: &[f64], passes: usize) -> Result<TetMesh, MeshError> {
+pub fn optimise_error(mesh: &TetMesh, weights: &[f64], passes: usize, first: usize) -> Result<Optimised, MeshError> {
     if weights.len() != mesh.points().len() {
         let (got, want) = (weights.len(), mesh.points().len());
         return Err(MeshError::Inconsistent(format!("{got} weights for {want} vertices")));
     }
+    let first = u32::try_from(first).unwrap_or(u32::MAX);
     let mut solid = Solid::new(mesh);
-    improve::error::optimise_error(&mut solid, weights, passes);
-    solid.finish()
+    improve::error::optimise_error(&mut solid, weights, passes, first);
+    let kept = solid.drop_unused(first);
+    Ok(Optimised { mesh: solid.finish()?, kept })
 }

@@ -5,6 +5,7 @@
 
 use super::Stencil;
 use crate::mesh::{Crease, Face, MeshError, PatchId, RegionId, TetMesh, TetMeshParts, quality, topology};
+mod compact;
 mod journal;
 
 use glam::DVec3;

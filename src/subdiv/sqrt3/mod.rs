@@ -27,6 +27,25 @@ pub struct History {
     odd_creases: Vec<[u32; 2]>,
 }
 
+impl History {
+    /// The history after the mesh was changed so that vertex i is what `kept[i]` was.
+    #[must_use]
+    pub fn renumbered(&self, kept: &[u32]) -> Self {
+        Self {
+            pending_faces: renumbered(&self.pending_faces, kept),
+            pending_edges: renumbered(&self.pending_edges, kept),
+            odd_creases: renumbered(&self.odd_creases, kept),
+        }
+    }
+}
+
+/// Those entries all of whose vertices were kept, with their new numbers.
+fn renumbered<const N: usize>(entries: &[[u32; N]], kept: &[u32]) -> Vec<[u32; N]> {
+    let number = |v: u32| kept.binary_search(&v).ok();
+    let whole = entries.iter().filter(|e| e.iter().all(|&v| number(v).is_some()));
+    whole.map(|e| e.map(|v| number(v).map_or(v, |n| n as u32))).collect()
+}
+
 /// Refines the selected cells.
 ///
 /// # Errors

@@ -1,0 +1,75 @@
+//! Edge contraction: an interior vertex that is not worth its price is pulled into a neighbour.
+
+use super::super::parallel::{select, vertices_of};
+use super::super::rest_of;
+use super::lanes::Fan;
+use super::weight;
+use crate::subdiv::solid::Solid;
+use smallvec::SmallVec;
+
+/// Removes vertices with numbers from `first` on where that raises the weighted cost by less than `price`, and leaves no
+/// cell below both `floor` and the worst of those that go; returns how many went.
+pub(super) fn contract(
+    solid: &mut Solid,
+    weights: &[f64],
+    since: u32,
+    first: u32,
+    (price, floor): (f64, f64),
+) -> usize {
+    let mut vertices = vertices_of(solid, solid.cells_since(since));
+    vertices.retain(|&v| v >= first && solid.is_interior(v));
+    let target = |fan: &mut Fan, solid: &Solid, v| cheapest(fan, solid, weights, v, (price, floor));
+    let mut fan = Fan::default();
+    let mut gone = 0;
+    for v in select(vertices, |fan, &v| target(fan, solid, v).is_some()) {
+        if let Some(b) = target(&mut fan, solid, v) {
+            pull(solid, v, b);
+            gone += 1;
+        }
+    }
+    gone
+}
+
+/// The neighbour into which `v` is best pulled, if the weighted cost rises by less than the price.
+///
+/// The cells around v fill a polyhedron; those that come fill it too if they are all positive, so the mesh stays
+/// conforming.
+fn cheapest(fan: &mut Fan, solid: &Solid, weights: &[f64], v: u32, (price, floor): (f64, f64)) -> Option<u32> {
+    let cells = solid.cells_at(v);
+    let mut around: SmallVec<[u32; 64]> = cells.iter().flat_map(|&t| solid.tet(t)).filter(|&w| w != v).collect();
+    around.sort_unstable();
+    around.dedup();
+    gather(fan, solid, weights, v, v);
+    let floor = floor.min(solid.worst_sine(cells));
+    let mut least = (fan.cost_and_sine(solid.point(v)).0 + price, None);
+    for b in around {
+        gather(fan, solid, weights, v, b);
+        let (cost, sine) = fan.cost_and_sine(solid.point(b));
+        if cost < least.0 && sine >= floor {
+            least = (cost, Some(b));
+        }
+    }
+    least.1
+}
+
+/// Collects the cells at `v`, except those at `b` too, with the weights that they have once `v` is pulled into `b`.
+fn gather(fan: &mut Fan, solid: &Solid, weights: &[f64], v: u32, b: u32) {
+    fan.clear();
+    for &t in solid.cells_at(v) {
+        let tet = solid.tet(t);
+        if b == v || !tet.contains(&b) {
+            let new = tet.map(|w| if w == v { b } else { w });
+            fan.push(rest_of(tet, v).map(|w| solid.point(w)), weight(weights, new));
+        }
+    }
+}
+
+/// Replaces `v` by `b` in all its cells; those that hold both vanish.
+fn pull(solid: &mut Solid, v: u32, b: u32) {
+    for t in solid.cells_at(v).to_vec() {
+        let (tet, tag) = solid.remove_cell(t);
+        if !tet.contains(&b) {
+            solid.add_cell(tet.map(|w| if w == v { b } else { w }), tag);
+        }
+    }
+}
