@@ -9,7 +9,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use rustc_hash::FxHashMap;
 use subsolid::mesh::surface::{self, SurfaceFace};
-use subsolid::mesh::{TetMesh, features, generate, topology};
+use subsolid::mesh::{TetMesh, features, generate, quality, topology};
 use subsolid::subdiv::options::{Boundary, Mode, Optimise, Options, Scheme};
 use subsolid::subdiv::{self, History, Refined};
 
@@ -204,6 +204,9 @@ fn an_interface_is_refined_as_a_sqrt3_surface() {
                 let faces = interfaces(&state.0);
                 assert_eq!(faces.len(), first.len() * 3_usize.pow(step), "1-3 splits; creases wait, then make three");
                 assert_same("creases", &crease_lengths(&start), &crease_lengths(&state.0));
+                for v in start.creases().iter().flat_map(|c| c.vertices) {
+                    assert_eq!(start.points()[v as usize], state.0.points()[v as usize], "rims stay");
+                }
                 assert!((state.0.volume() - 1.0).abs() < 1e-12, "the cube itself is flat");
             }
             let ratio = area(&state.0, &interfaces(&state.0)) / area(&start, &first);
@@ -488,6 +491,77 @@ proptest! {
                 }
             }
             prop_assert!(before.iter().zip(&after).all(|(a, b)| (a - b).abs() < 0.05), "{:?} {:?}", before, after);
+        }
+    }
+}
+
+/// A selection on one side refines the interface from both: its faces are split, its old edges flipped.
+#[test]
+fn cells_across_a_selected_interface_are_refined_with_it() {
+    let start = inclusion(8);
+    for boundary in SMOOTH {
+        let mut state = State::new(&start);
+        let ball: Vec<bool> = start.regions().iter().map(|r| r.0 == 0).collect();
+        state.refine(&ball, &options(boundary, Mode::Paper));
+        let [old, new] = [&start, &state.0].map(interfaces);
+        assert_eq!(new.len(), 3 * old.len());
+        let edges = surface::surface_edges(&new);
+        let left = |(e, _): &([u32; 2], Vec<usize>)| edges.binary_search_by_key(e, |(key, _)| *key).is_ok();
+        assert!(!surface::surface_edges(&old).iter().any(left));
+        for f in &new {
+            assert!(f.cells().all(|t| state.0.levels()[t as usize] == 1), "both sides of {f:?}");
+        }
+        assert_interface(&state.0, true);
+    }
+}
+
+/// No optimiser moves a vertex off a curved interface or changes its triangles, and all keep creases inside.
+#[test]
+fn optimisers_keep_curved_interfaces() {
+    let mut state = State::new(&inclusion(4));
+    state.refine_all(&options(Boundary::Interpolating, Mode::Paper));
+    let mesh = &state.0;
+    let weights: Vec<f64> = mesh.points().iter().map(|p| 1.0 + 20.0 * p.x).collect();
+    let by_error = subdiv::optimise_error(mesh, &weights, 3).unwrap();
+    assert_ne!(by_error.points(), mesh.points(), "nothing was optimised");
+    let faces = |mesh: &TetMesh| {
+        let mut faces: Vec<[u32; 3]> = interfaces(mesh).iter().map(|f| topology::sorted3(f.vertices)).collect();
+        faces.sort_unstable();
+        faces
+    };
+    assert_eq!(faces(&by_error), faces(mesh));
+    let by_quality = subdiv::optimise_quality(mesh, &Optimise { mode: Mode::Best, ..Optimise::default() }).unwrap();
+    for better in [by_error, by_quality] {
+        for v in vertices(&interfaces(mesh)) {
+            assert_eq!(better.points()[v as usize], mesh.points()[v as usize]);
+        }
+        assert_interface(&better, true);
+        assert_creases_are_edges(&better);
+        assert_same("regions", &region_volumes(mesh), &region_volumes(&better));
+    }
+}
+
+/// Refining at one vertex again and again, where the interface is curved and where it meets the boundary.
+#[test]
+fn refining_one_vertex_of_an_interface_again_and_again_keeps_good_angles() {
+    let start = two_materials([4; 3], wavy);
+    let on_wall = |v: &u32| (1e-9..1.0 - 1e-9).contains(&start.points()[*v as usize].z);
+    let wall = vertices(&interfaces(&start));
+    let inside = *wall.iter().find(|v| on_wall(v) && (0.4..0.6).contains(&start.points()[**v as usize].y)).unwrap();
+    let rim = *wall.iter().find(|v| on_wall(v) && start.points()[**v as usize].y < 1e-9).unwrap();
+    for boundary in SMOOTH {
+        for vertex in [inside, rim] {
+            let mut state = State::new(&start);
+            for _ in 0..10 {
+                let at: Vec<bool> = state.0.tets().iter().map(|t| t.contains(&vertex)).collect();
+                state.refine(&at, &options(boundary, Mode::Best));
+                let worst = quality::quality(&state.0).worst;
+                assert!(worst > 8.0, "{boundary:?}: {worst} degrees at vertex {vertex}");
+                assert_interface(&state.0, false);
+            }
+            if vertex == rim {
+                assert_eq!(start.points()[rim as usize], state.0.points()[rim as usize]);
+            }
         }
     }
 }
