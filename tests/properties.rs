@@ -279,7 +279,6 @@ proptest! {
     fn every_step_leaves_a_sound_mesh_of_the_same_solid(
         model in models(), options in options(), selections in proptest::collection::vec(selections(), 1..4),
     ) {
-        if options.boundary != Boundary::Fixed { return Ok(()) } // TEMP
         let Some(mut mesh) = model.mesh() else { return Ok(()) };
         let (mut history, manifold) = (History::default(), is_manifold(&mesh));
         let corners: Vec<DVec3> = mesh.corners().iter().map(|&v| mesh.points()[v as usize]).collect();
@@ -307,7 +306,6 @@ proptest! {
 
     #[test]
     fn the_number_of_threads_does_not_show(model in models(), options in options(), selection in selections()) {
-        if options.boundary != Boundary::Fixed { return Ok(()) } // TEMP
         let Some(mesh) = model.mesh() else { return Ok(()) };
         let run = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

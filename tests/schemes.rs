@@ -429,13 +429,6 @@ fn the_number_of_threads_does_not_show() {
     }
 }
 
-#[test]
-fn a_smooth_rule_needs_one_region() {
-    let mesh = jittered(2, 0.1);
-    let all = vec![true; mesh.tets().len()];
-    assert!(subdiv::refine(&mesh, &History::default(), &all, &INTERPOLATING).is_err());
-}
-
 /// The papers' own mesh, uniform and with an interpolated surface.
 #[test]
 fn the_tripod_is_interpolated_without_spoiling_its_cells() {

@@ -154,9 +154,6 @@ fn regions_keep_their_volumes_and_stay_conforming() {
         }
         (mesh, history) = (refined.mesh, refined.history);
     }
-    let approximating = options(Boundary::Approximating);
-    let refused = subdiv::refine(&mesh, &History::default(), &vec![true; mesh.tets().len()], &approximating);
-    assert!(refused.is_err(), "no smooth rule for surfaces between regions yet");
 }
 
 #[test]

@@ -1,21 +1,22 @@
-//! Which edges of the boundary subdivision has to keep.
+//! Which edges subdivision has to keep.
 
+use super::surface::{SurfaceFace, surface_edges, surface_faces};
 use super::{Crease, Face, TetMesh, topology};
 use glam::DVec3;
 
-/// The mesh with its creases found: every boundary edge whose outward normals differ by more than `angle` degrees
-/// (strictly), every edge with other than two boundary faces, every edge in `tagged`, and every edge between different
-/// patches or regions. All but the last kind are features. Vertices where surfaces touch become corners.
+/// The mesh with its creases found: every edge where the boundary, or inside an interface between two regions, turns by
+/// more than `angle` degrees (strictly), every edge of the boundary with other than two boundary faces, every edge in
+/// `tagged`, and every edge between different patches or regions: where patches, interfaces, or an interface and the
+/// boundary meet. All but the last kind are features. Vertices where surfaces touch become corners.
 #[must_use]
 pub fn with_creases(mesh: TetMesh, angle: f64, tagged: &[[u32; 2]]) -> TetMesh {
-    let cells = topology::boundary_cells(mesh.tets());
-    let tag = |i: usize| (mesh.faces()[i].patch, mesh.regions()[cells[i] as usize]);
-    let edges = boundary_edges(mesh.faces());
+    let faces = surface_faces(&mesh);
+    let edges = surface_edges(&faces);
     let mut creases: Vec<Crease> = edges
         .iter()
-        .filter_map(|&(vertices, ref faces)| {
-            let feature = !matches!(faces[..], [f, g] if angle_between(&mesh, f, g) <= angle);
-            let border = faces.iter().any(|&f| tag(f) != tag(faces[0]));
+        .filter_map(|&(vertices, ref at)| {
+            let feature = is_sharp(mesh.points(), &faces, at, angle);
+            let border = at.len() != 2 || faces[at[0]].patch != faces[at[1]].patch;
             (feature || border).then_some(Crease { vertices, feature })
         })
         .collect();
@@ -23,15 +24,27 @@ pub fn with_creases(mesh: TetMesh, angle: f64, tagged: &[[u32; 2]]) -> TetMesh {
     // One entry an edge; a feature wins.
     creases.sort_unstable_by_key(|c| (c.vertices, !c.feature));
     creases.dedup_by_key(|c| c.vertices);
-    let mut corners = [mesh.corners(), &touching(mesh.faces(), &edges)].concat();
+    let mut corners = [mesh.corners(), &touching(&faces, &edges)].concat();
     corners.sort_unstable();
     corners.dedup();
     mesh.replace_features(creases, corners)
 }
 
-/// The vertices whose boundary faces do not hang together through edges: surfaces touch there, and no rule for one
+/// True if the boundary turns by more than `angle` at the edge of these faces, or is no surface there; or inside, where
+/// one interface has the edge, if that turns.
+fn is_sharp(points: &[DVec3], faces: &[SurfaceFace], at: &[usize], angle: f64) -> bool {
+    let (boundary, inside): (Vec<usize>, Vec<usize>) = at.iter().partition(|&&f| faces[f].outer.is_none());
+    let turns = |f: usize, g: usize| turn(points, faces[f].vertices, faces[g].vertices) > angle;
+    match (&boundary[..], &inside[..]) {
+        (&[f, g], _) | (&[], &[f, g]) => turns(f, g),
+        (&[], _) => false,
+        _ => true,
+    }
+}
+
+/// The vertices whose surface faces do not hang together through edges: surfaces touch there, and no rule for one
 /// surface may move them.
-fn touching(faces: &[Face], edges: &[([u32; 2], Vec<usize>)]) -> Vec<u32> {
+fn touching(faces: &[SurfaceFace], edges: &[([u32; 2], Vec<usize>)]) -> Vec<u32> {
     // Corner k of face f has number 3 f + k; those at one vertex that hang together have one root.
     let mut parents: Vec<usize> = (0..3 * faces.len()).collect();
     let corner =
@@ -62,19 +75,18 @@ fn root(parents: &mut [usize], mut corner: usize) -> usize {
 /// The edges of the boundary, sorted by vertices, with the indices of the faces at each.
 #[must_use]
 pub fn boundary_edges(faces: &[Face]) -> Vec<([u32; 2], Vec<usize>)> {
-    let mut uses: Vec<([u32; 2], usize)> = Vec::with_capacity(3 * faces.len());
-    for (i, f) in faces.iter().enumerate() {
-        let [a, b, c] = f.vertices;
-        uses.extend([[a, b], [b, c], [c, a]].map(|e| (topology::sorted2(e), i)));
-    }
-    uses.sort_unstable();
-    uses.chunk_by(|a, b| a.0 == b.0).map(|same| (same[0].0, same.iter().map(|u| u.1).collect())).collect()
+    topology::triangle_edges(faces.iter().map(|f| f.vertices))
 }
 
 /// Angle in degrees between the outward normals of two faces, given by their indices in `mesh.faces()`.
 #[must_use]
 pub fn angle_between(mesh: &TetMesh, f: usize, g: usize) -> f64 {
-    let [m, n] = [f, g].map(|i| face_normal(mesh.points(), mesh.faces()[i].vertices));
+    turn(mesh.points(), mesh.faces()[f].vertices, mesh.faces()[g].vertices)
+}
+
+/// Angle in degrees between the normals of two triangles.
+fn turn(points: &[DVec3], f: [u32; 3], g: [u32; 3]) -> f64 {
+    let [m, n] = [f, g].map(|vertices| face_normal(points, vertices));
     m.cross(n).length().atan2(m.dot(n)).to_degrees()
 }
 

@@ -7,6 +7,7 @@ pub mod features;
 pub mod generate;
 pub mod quality;
 pub mod read;
+pub mod surface;
 pub mod topology;
 
 pub use error::{MeshError, Victim};

@@ -38,6 +38,15 @@ pub fn edges(tets: &[[u32; 4]]) -> Vec<[u32; 2]> {
     all
 }
 
+/// The edges of triangles, sorted by vertices, with the indices of the triangles at each.
+#[must_use]
+pub fn triangle_edges(triangles: impl Iterator<Item = [u32; 3]>) -> Vec<([u32; 2], Vec<usize>)> {
+    let sides = |(i, [a, b, c]): (usize, [u32; 3])| [[a, b], [b, c], [c, a]].map(|e| (sorted2(e), i));
+    let mut uses: Vec<([u32; 2], usize)> = triangles.enumerate().flat_map(sides).collect();
+    uses.sort_unstable();
+    uses.chunk_by(|a, b| a.0 == b.0).map(|same| (same[0].0, same.iter().map(|u| u.1).collect())).collect()
+}
+
 /// A face of a cell: its sorted vertices, the cell, and which of its four faces it is.
 type FaceUse = ([u32; 3], u32, u8);
 

@@ -65,7 +65,7 @@ fn curved_cells(mesh: &TetMesh, above: f64, below: f64) -> Vec<u32> {
 /// the order of the mesh.
 ///
 /// # Errors
-/// [`MeshError`] with the line that names a vertex or a boundary edge that does not exist, or that cannot be read.
+/// [`MeshError`] with the line that names a vertex or an edge that does not exist, or that cannot be read.
 pub fn with_features(
     mesh: TetMesh,
     angle: f64,
@@ -80,12 +80,12 @@ pub fn with_features(
 }
 
 fn tagged_edges(mesh: &TetMesh, path: &Path) -> Result<Vec<[u32; 2]>, MeshError> {
-    let known = features::boundary_edges(mesh.faces());
+    let known = topology::edges(mesh.tets());
     let mut tagged = Vec::new();
     for (line, edge) in read_list(path, "a vertex of an edge")? {
-        if known.binary_search_by_key(&topology::sorted2(edge), |(key, _)| *key).is_err() {
-            let message = format!("{edge:?} is not an edge of the boundary");
-            return Err(refused(path, line, message, "name two neighbouring vertices of the boundary, from 0"));
+        if known.binary_search(&topology::sorted2(edge)).is_err() {
+            let message = format!("{edge:?} is not an edge of the mesh");
+            return Err(refused(path, line, message, "name two vertices that an edge joins, from 0"));
         }
         tagged.push(edge);
     }

@@ -2,7 +2,7 @@
 
 use super::{ModelError, hints, loading, select};
 use crate::fem::{self, Model};
-use crate::mesh::{GroupId, TetMesh, features, topology::sorted2};
+use crate::mesh::{GroupId, TetMesh, features, topology};
 use crate::scenario::{LoadKind, Material, Scenario, Selector, Support, suggest};
 
 /// A mesh and what is to be solved on it.
@@ -155,10 +155,10 @@ impl Targets {
 fn with_features(scenario: &Scenario, mesh: TetMesh) -> Result<TetMesh, ModelError> {
     let tagged = &scenario.features;
     if !tagged.edges.is_empty() {
-        let edges = features::boundary_edges(mesh.faces());
-        let missing = |e: &&[u32; 2]| edges.binary_search_by_key(&sorted2(**e), |(key, _)| *key).is_err();
+        let edges = topology::edges(mesh.tets());
+        let missing = |e: &&[u32; 2]| edges.binary_search(&topology::sorted2(**e)).is_err();
         if let Some([a, b]) = tagged.edges.iter().find(missing) {
-            let problem = format!("[{a}, {b}] is not an edge of the boundary");
+            let problem = format!("[{a}, {b}] is not an edge of the mesh");
             return Err(ModelError::Feature { key: "edges", problem });
         }
     }

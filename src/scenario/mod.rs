@@ -76,7 +76,7 @@ pub enum MeshSource {
 /// Edges and corners that subdivision keeps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Features {
-    /// A boundary edge is a feature if its faces' normals differ by more than this angle, in degrees.
+    /// An edge of the boundary or of an interface is a feature if its faces' normals differ by more than this angle, in degrees.
     pub angle: f64,
     /// Further feature edges. Vertices are numbered from 0 in the order of the mesh the run starts from (the point ids
     /// of `step_000.vtu`).

@@ -79,11 +79,11 @@ pub struct Info {
     pub asked: usize,
     /// Cells refined: those selected and those the scheme added to keep the mesh sound.
     pub split: usize,
-    /// Old faces and boundary edges flipped.
+    /// Old faces and surface edges flipped.
     pub flipped: usize,
     /// Flips and moves refused because they would have spoiled a cell.
     pub rejected: usize,
-    /// Old faces and boundary edges that wait for a later step.
+    /// Old faces and surface edges that wait for a later step.
     pub pending: usize,
     /// Smallest minimum sine of the dihedral angles of the new mesh.
     pub worst_sine: f64,

@@ -15,7 +15,7 @@ pub enum Scheme {
     LongestEdge,
 }
 
-/// What happens to the boundary surface (scheme sqrt(3) only; the others always keep it).
+/// What happens to the boundary and to the interfaces between regions (scheme sqrt(3) only; the others always keep them).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Boundary {

@@ -4,6 +4,7 @@
 //! removed cells are used again. Vertices are only ever added, so their numbers stay.
 
 use super::Stencil;
+use crate::mesh::surface::interfaces;
 use crate::mesh::{Crease, Face, MeshError, PatchId, RegionId, TetMesh, TetMeshParts, quality, topology};
 mod compact;
 mod journal;
@@ -94,8 +95,8 @@ impl Solid {
         for &face in mesh.faces() {
             solid.add_face(face);
         }
-        for vertices in interfaces(mesh) {
-            solid.add_face(Face { vertices, patch: INTERFACE });
+        for face in interfaces(mesh) {
+            solid.add_face(Face { vertices: face.vertices, patch: INTERFACE });
         }
         for v in mesh.creases().iter().flat_map(|c| c.vertices).chain(mesh.corners().iter().copied()) {
             solid.pinned[v as usize] = true;
@@ -222,7 +223,7 @@ impl Solid {
         faces.iter().any(|&f| self.faces[f as usize].vertices.contains(&b))
     }
 
-    /// Boundary faces at the edge.
+    /// Boundary and interface faces at the edge.
     pub(super) fn faces_at_edge(&self, [a, b]: [u32; 2]) -> Vec<Face> {
         let faces = self.faces_at[a as usize].iter().map(|&f| self.faces[f as usize]);
         faces.filter(|f| f.vertices.contains(&b)).collect()
@@ -425,23 +426,6 @@ impl Solid {
         }
         worst
     }
-}
-
-/// Faces between cells of different regions.
-fn interfaces(mesh: &TetMesh) -> Vec<[u32; 3]> {
-    if mesh.region_names().len() < 2 {
-        return Vec::new();
-    }
-    let mut faces = Vec::new();
-    for (t, around) in topology::face_neighbours(mesh.tets()).into_iter().enumerate() {
-        for (i, u) in around.into_iter().enumerate() {
-            // Each such face once, from the side of the smaller region number.
-            if u.is_some_and(|u| mesh.regions()[t] < mesh.regions()[u as usize]) {
-                faces.push(topology::tet_faces(mesh.tets()[t])[i]);
-            }
-        }
-    }
-    faces
 }
 
 /// Orders arcs (from, to, cell) into one fan or cycle.

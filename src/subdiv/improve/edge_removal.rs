@@ -143,20 +143,46 @@ pub(crate) fn remove_edge(
 
 /// Fills the ring by these triangles of its link instead of the edge.
 pub(super) fn replace_ring(solid: &mut Solid, edge: [u32; 2], ring: &Ring, triangles: &[[usize; 3]]) {
-    let [a, b] = edge;
-    let link = &ring.vertices;
+    fill(solid, edge, ring, triangles);
+    if !ring.closed {
+        flip_surface(solid, edge, &ring.vertices);
+    }
+}
+
+/// Replaces an edge between two regions by the chord of its link, if both parts of its ring have an admissible filling;
+/// the part of the smaller region number comes first. Returns whether it was done.
+pub(crate) fn flip_interface(
+    solid: &mut Solid,
+    edge: [u32; 2],
+    parts: &[Ring; 2],
+    measure: &Measure<'_>,
+    filling: &mut Filling,
+) -> bool {
+    let mut found = [Vec::new(), Vec::new()];
+    for (part, triangles) in parts.iter().zip(&mut found) {
+        if !can_remove(solid, edge, part, measure, filling) {
+            return false;
+        }
+        triangles.extend_from_slice(filling.triangles());
+    }
+    for (part, triangles) in parts.iter().zip(&found) {
+        fill(solid, edge, part, triangles);
+    }
+    flip_surface(solid, edge, &parts[0].vertices);
+    true
+}
+
+/// Puts the cells of a filling in the place of those of the ring.
+fn fill(solid: &mut Solid, [a, b]: [u32; 2], ring: &Ring, triangles: &[[usize; 3]]) {
     let mut tag = solid.tag(ring.cells[0]);
     for &t in &ring.cells {
         tag.level = tag.level.max(solid.tag(t).level);
         solid.remove_cell(t);
     }
-    for [i, k, j] in triangles.iter().copied() {
-        let [vi, vk, vj] = [link[i], link[k], link[j]];
-        solid.add_cell([vi, vk, vj, b], tag);
-        solid.add_cell([vi, vj, vk, a], tag);
-    }
-    if !ring.closed {
-        flip_surface(solid, edge, link[0], link[link.len() - 1]);
+    for corners in triangles {
+        let [i, k, j] = corners.map(|c| ring.vertices[c]);
+        solid.add_cell([i, k, j, b], tag);
+        solid.add_cell([i, j, k, a], tag);
     }
 }
 
@@ -175,17 +201,21 @@ pub(super) fn can_remove(
 pub(super) fn may_replace(solid: &Solid, edge: [u32; 2], ring: &Ring) -> bool {
     let region = solid.tag(ring.cells[0]).region;
     ring.cells.iter().all(|&t| solid.tag(t).region == region)
-        && (ring.closed || chord_is_free(solid, edge, &ring.vertices))
+        && (ring.closed || chord_is_free(solid, edge, ring))
 }
 
-/// A boundary edge may be replaced by the chord if the chord is not an edge yet and both ends keep at least two cells.
-fn chord_is_free(solid: &Solid, [a, b]: [u32; 2], link: &[u32]) -> bool {
+/// A surface edge may be replaced by the chord if the chord is not an edge yet and both ends keep at least two cells of
+/// the region.
+fn chord_is_free(solid: &Solid, [a, b]: [u32; 2], ring: &Ring) -> bool {
+    let (first, last) = (ring.vertices[0], ring.vertices[ring.vertices.len() - 1]);
+    let region = solid.tag(ring.cells[0]).region;
+    let cells = |v: u32| solid.cells_at(v).iter().filter(|&&t| solid.tag(t).region == region).count();
+    !solid.has_edge(first, last) && [a, b].iter().all(|&v| cells(v) > 2)
+}
+
+/// Replaces the surface triangles (a, first, b) and (a, b, last), with the ends of the link, by the two at its chord.
+fn flip_surface(solid: &mut Solid, [a, b]: [u32; 2], link: &[u32]) {
     let (first, last) = (link[0], link[link.len() - 1]);
-    !solid.has_edge(first, last) && [a, b].iter().all(|&v| solid.cells_at(v).len() > 2)
-}
-
-/// Replaces the surface triangles (a, first, b) and (a, b, last) by the two at the chord.
-fn flip_surface(solid: &mut Solid, [a, b]: [u32; 2], first: u32, last: u32) {
     let patch = solid.remove_face([a, first, b]).map(|f| f.patch);
     solid.remove_face([a, b, last]);
     if let Some(patch) = patch {

@@ -13,7 +13,7 @@ mod repair;
 mod smooth;
 mod valence;
 
-pub(super) use edge_removal::{Filling, Measure, remove_edge};
+pub(super) use edge_removal::{Filling, Measure, flip_interface, remove_edge};
 pub(super) use face_flip::FaceFlip;
 pub(super) use quality::optimise_quality;
 

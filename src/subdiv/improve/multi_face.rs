@@ -81,6 +81,10 @@ fn grow(solid: &Solid, ends: [u32; 2], [p, q]: [u32; 2], found: &mut Sandwich, f
 
 /// The vertex w such that (p, q, w) is a face between a and b not yet in the set, with its cells.
 fn beyond(solid: &Solid, [a, b]: [u32; 2], [p, q]: [u32; 2], found: &Sandwich) -> Option<(u32, u32, u32)> {
+    // With the faces at both sides of it the edge itself would go.
+    if solid.is_crease([p, q]) {
+        return None;
+    }
     let t = *solid.cells_at_face([a, p, q]).iter().find(|t| !found.cells.contains(t))?;
     let w = solid.tet(t).into_iter().find(|v| ![a, p, q].contains(v))?;
     let u = *solid.cells_at_face([b, p, q]).iter().find(|u| !found.cells.contains(u))?;

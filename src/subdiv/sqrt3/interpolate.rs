@@ -1,4 +1,4 @@
-//! Interpolating sqrt(3) subdivision of the boundary surface (Labsik and Greiner 2000): where the centre of a face goes.
+//! Interpolating sqrt(3) subdivision of the surfaces (Labsik and Greiner 2000): where the centre of a face goes.
 //!
 //! Old vertices stay. The point of a face whose corners are regular (six faces around) is the 12-point stencil: 32/81 of
 //! each corner, -1/81 of each vertex across an edge, -2/81 of each of the six vertices next to those around the corners.
@@ -18,18 +18,19 @@
 //! The surface ends at creases, where it is continued by parallelograms: around a corner c, the vertex after r and s is
 //! c + s - r. Linear functions are reproduced there too, so flat parts stay flat. Corners on creases count as regular.
 
-use crate::mesh::{TetMesh, features, topology};
+use super::OldMesh;
+use crate::mesh::topology;
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::f64::consts::PI;
 
-/// The point of each boundary face, in the order of `mesh.faces()`.
-pub(super) fn face_points(mesh: &TetMesh) -> Vec<DVec3> {
-    let faces: Vec<[u32; 3]> = mesh.faces().iter().map(|f| f.vertices).collect();
+/// The point of each surface face.
+pub(super) fn face_points(old: &OldMesh) -> Vec<DVec3> {
+    let faces: Vec<[u32; 3]> = old.surface.iter().map(|f| f.vertices).collect();
     // Where other than two faces meet, there is no way on.
-    let odd = features::boundary_edges(mesh.faces()).into_iter().filter(|(_, at)| at.len() != 2).map(|(e, _)| e);
-    let creases = mesh.creases().iter().map(|c| c.vertices).chain(odd).collect();
-    let surface = Surface::new(mesh.points(), &faces, creases);
+    let odd = old.surface_edges.iter().filter(|(_, at)| at.len() != 2).map(|(e, _)| *e);
+    let creases = old.mesh.creases().iter().map(|c| c.vertices).chain(odd).collect();
+    let surface = Surface::new(old.mesh.points(), &faces, creases);
     faces.iter().map(|&f| surface.face_point(f)).collect()
 }
 
@@ -44,7 +45,7 @@ fn irregular_weights(n: usize) -> (f64, Vec<f64>) {
     (1.0 - h * h, (0..n).map(weight).collect())
 }
 
-/// The boundary surface, cut along its creases.
+/// Boundary and interfaces, cut along the creases. A directed edge that is no crease has one face.
 struct Surface<'a> {
     points: &'a [DVec3],
     /// The third vertex of the face with this directed edge.

@@ -13,6 +13,7 @@ use super::improve::{Improver, optimise_quality};
 use super::options::{Boundary, Mode, Optimise, Options};
 use super::solid::Solid;
 use super::{Info, Refined, Stencil};
+use crate::mesh::surface::{SurfaceFace, surface_edges, surface_faces};
 use crate::mesh::{MeshError, TetMesh, topology};
 
 /// What one step leaves for the next: operations that wait for their other side, and the parity of creases. All lists
@@ -21,9 +22,9 @@ use crate::mesh::{MeshError, TetMesh, topology};
 pub struct History {
     /// Old interior faces that could not be flipped yet.
     pending_faces: Vec<[u32; 3]>,
-    /// Old boundary edges, and creases with one refined face, that wait for their other side.
+    /// Old surface edges, and creases with a refined face, that wait for their other sides.
     pending_edges: Vec<[u32; 2]>,
-    /// Creases both of whose faces were split once: the next step trisects them.
+    /// Creases all of whose faces were split once: the next step trisects them.
     odd_creases: Vec<[u32; 2]>,
 }
 
@@ -49,20 +50,15 @@ fn renumbered<const N: usize>(entries: &[[u32; N]], kept: &[u32]) -> Vec<[u32; N
 /// Refines the selected cells.
 ///
 /// # Errors
-/// [`MeshError::Generator`] for a smooth boundary (approximating or interpolating) on a mesh of several regions: the
-/// surfaces between them have no smooth rule yet.
+/// [`MeshError`] if the result would not be a valid mesh.
 pub(super) fn refine(
     mesh: &TetMesh,
     history: &History,
     selected: &[bool],
     options: &Options,
 ) -> Result<Refined, MeshError> {
-    if options.boundary != Boundary::Fixed && mesh.region_names().len() > 1 {
-        let message = "smooth boundaries have no rule for the surfaces between regions: use boundary \"fixed\"";
-        return Err(MeshError::Generator(message.to_owned()));
-    }
     let asked = selected.iter().filter(|s| **s).count();
-    let selected = closure::close(mesh, history, selected);
+    let selected = closure::close(mesh, history, selected, options.boundary);
     let old = OldMesh::new(mesh, history, &selected);
     let mut solid = Solid::new(mesh);
     let start = solid.tick();
@@ -129,10 +125,14 @@ struct OldMesh<'a> {
     inner_faces: Vec<[u32; 3]>,
     /// Interior faces with a selected cell on one side only.
     border_faces: Vec<[u32; 3]>,
-    /// Faces between two regions with a selected cell, sorted.
-    interfaces: Vec<[u32; 3]>,
-    /// For each boundary face whether its cell is selected.
+    /// The boundary and the interfaces between regions.
+    surface: Vec<SurfaceFace>,
+    /// The edges of the surface, sorted, with the indices of the faces at each.
+    surface_edges: Vec<([u32; 2], Vec<usize>)>,
+    /// For each surface face whether a cell at it is selected.
     refined: Vec<bool>,
+    /// Creases inside a region, sorted, with the selection flags of the cells around.
+    inner_creases: Vec<([u32; 2], Vec<bool>)>,
     /// Creases with odd parity at a selected cell, sorted: they are trisected in this step.
     listed: Vec<[u32; 2]>,
 }
@@ -140,17 +140,15 @@ struct OldMesh<'a> {
 impl<'a> OldMesh<'a> {
     fn new(mesh: &'a TetMesh, history: &History, selected: &[bool]) -> Self {
         let tets = mesh.tets();
-        let (mut inner_faces, mut border_faces, mut interfaces) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut inner_faces, mut border_faces) = (Vec::new(), Vec::new());
         for (t, around) in topology::face_neighbours(tets).into_iter().enumerate() {
             for (i, u) in around.into_iter().enumerate().filter_map(|(i, u)| Some((i, u? as usize))) {
                 let face = topology::sorted3(topology::tet_faces(tets[t])[i]);
-                if !selected[t] {
+                // Flips never cross a border between regions.
+                if !selected[t] || mesh.regions()[t] != mesh.regions()[u] {
                     continue;
                 }
-                // Flips never cross a border between regions.
-                if mesh.regions()[t] != mesh.regions()[u] {
-                    interfaces.push(face);
-                } else if !selected[u] {
+                if !selected[u] {
                     border_faces.push(face);
                 } else if t < u {
                     inner_faces.push(face);
@@ -159,21 +157,42 @@ impl<'a> OldMesh<'a> {
         }
         inner_faces.sort_unstable();
         border_faces.sort_unstable();
-        interfaces.sort_unstable();
-        interfaces.dedup();
-        let refined = topology::boundary_cells(tets).into_iter().map(|t| selected[t as usize]).collect();
+        let surface = surface_faces(mesh);
+        let surface_edges = surface_edges(&surface);
+        let refined = surface.iter().map(|f| f.cells().any(|t| selected[t as usize])).collect();
+        let inner_creases = inner_creases(mesh, &surface_edges, selected);
         let mut touched: Vec<[u32; 2]> =
             (0..tets.len()).filter(|&t| selected[t]).flat_map(|t| topology::tet_edges(tets[t])).collect();
         touched.sort_unstable();
         let is_touched = |e: &&[u32; 2]| touched.binary_search(e).is_ok();
         let listed = history.odd_creases.iter().filter(is_touched).copied().collect();
-        Self { mesh, inner_faces, border_faces, interfaces, refined, listed }
+        Self { mesh, inner_faces, border_faces, surface, surface_edges, refined, inner_creases, listed }
     }
 
     /// True if the crease is trisected in this step.
     fn is_listed(&self, edge: [u32; 2]) -> bool {
         self.listed.binary_search(&topology::sorted2(edge)).is_ok()
     }
+}
+
+/// The creases that are not on a surface, with the selection flags of the cells around.
+fn inner_creases(
+    mesh: &TetMesh,
+    surface_edges: &[([u32; 2], Vec<usize>)],
+    selected: &[bool],
+) -> Vec<([u32; 2], Vec<bool>)> {
+    let inside = |e: &[u32; 2]| surface_edges.binary_search_by_key(e, |(key, _)| *key).is_err();
+    let edges: Vec<[u32; 2]> = mesh.creases().iter().map(|c| c.vertices).filter(inside).collect();
+    if edges.is_empty() {
+        return Vec::new();
+    }
+    let mut flags = vec![Vec::new(); edges.len()];
+    for (tet, selected) in mesh.tets().iter().zip(selected) {
+        for i in topology::tet_edges(*tet).iter().filter_map(|e| edges.binary_search(e).ok()) {
+            flags[i].push(*selected);
+        }
+    }
+    edges.into_iter().zip(flags).collect()
 }
 
 /// 1-4 splits of the selected cells at their barycentres.
