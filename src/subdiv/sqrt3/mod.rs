@@ -49,11 +49,14 @@ pub(super) fn refine(
     let selected = closure::close(mesh, history, selected);
     let old = OldMesh::new(mesh, history, &selected);
     let mut solid = Solid::new(mesh);
+    solid.watch(options.frames);
     let start = solid.tick();
     let mut improver = Improver::new(&options.optimise);
 
     split_cells(&mut solid, &selected);
+    solid.note_stage("1-4 splits");
     let mut faces = flip::flip_faces(&mut solid, &old);
+    solid.note_stage("2-3 flips");
     let (mut edges, centres) = match options.boundary {
         Boundary::Fixed => (surface::halve_edges(&mut solid, &old), Vec::new()),
         _ => surface::subdivide(&mut solid, &old, &mut improver.filling),
@@ -68,8 +71,10 @@ pub(super) fn refine(
     let now = solid.tick();
     flip::retry_faces(&mut solid, &mut faces);
     surface::retry_edges(&mut solid, &mut edges, &mut improver.filling);
+    solid.note_stage("flips that had to wait");
     if options.optimise.ends_in_quality() {
         optimise_quality(&mut solid, start, &options.optimise);
+        solid.note_stage("optimisation");
     } else {
         improver.improve(&mut solid, now, options.optimise.passes);
         if options.optimise.ends_in_error() {
@@ -80,6 +85,7 @@ pub(super) fn refine(
                 start,
                 &Optimise { target_angle: REPAIR_ANGLE, passes: 1, ..options.optimise },
             );
+            solid.note_stage("repair");
         }
     }
 
@@ -97,8 +103,8 @@ pub(super) fn refine(
         pending: history.pending_faces.len() + history.pending_edges.len(),
         worst_sine: solid.worst_sine_of_all(),
     };
-    let transfer = solid.take_transfer();
-    Ok(Refined { mesh: solid.finish()?, transfer, history, info })
+    let (transfer, frames) = (solid.take_transfer(), solid.take_frames()?);
+    Ok(Refined { mesh: solid.finish()?, transfer, history, info, frames })
 }
 
 /// Passes of the paper's operations before boundary vertices move.
