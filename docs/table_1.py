@@ -149,16 +149,17 @@ class Runs:
 
     def report(self, steps, mode="paper", boundary="approximating", adaptive=False, measure="min-sine", frames=None):
         """What `subdivide` says of a mesh."""
-        key = (steps, mode, boundary, adaptive, measure)
-        if key not in self.made or frames:
+        key = (steps, mode, boundary, adaptive, measure, frames)
+        if key not in self.made:
             words = ["--steps", steps, "--optimise", mode, "--boundary", boundary, "--feature-angle", FEATURE_ANGLE]
             words += ["--measure", measure] if mode == "paper" else []
             words += ["--select", self.cells] if adaptive else []
             words += ["--frames", frames] if frames else []
             out = self.folder / "mesh.vtu"
-            self.made[key] = meshers.subdivide(
-                self.options.subsolid, self.mesh, out, *words, threads=self.options.threads
-            )
+            run = lambda: meshers.subdivide(self.options.subsolid, self.mesh, out, *words, threads=self.options.threads)
+            # The other measures are slow, and their seconds beside the point.
+            repeat = self.options.repeat if measure == "min-sine" and not frames else 1
+            self.made[key] = min((run() for _ in range(repeat)), key=lambda report: report["seconds"])
             print(*key[:3], measure, "284 cells" if adaptive else "all cells", file=sys.stderr)
         return self.made[key]
 
@@ -352,7 +353,7 @@ def arguments():
     parser.add_argument("--data", type=Path, default=os.environ.get("SUBSOLID_DATA"), help="folder with tripod.GiD.msh")
     parser.add_argument("--levels", type=int, nargs="+", default=[1, 2], help="refinement steps")
     parser.add_argument("--threads", type=int, default=min(2, os.cpu_count() or 1))
-    parser.add_argument("--repeat", type=int, default=1, help="measure other improvers so often, and take the least time")
+    parser.add_argument("--repeat", type=int, default=1, help="measure so often, and take the least time")
     parser.add_argument("--subsolid", type=Path, default=ROOT / "target/release/subsolid", help="the program")
     parser.add_argument("--out", type=Path, default=ROOT / "docs", help="folder for table-1.md and figures/table-1.svg")
     options = parser.parse_args()

@@ -108,13 +108,13 @@ fn the_stages_of_the_tripod_have_the_papers_counts() {
 #[test]
 fn other_measures_drive_the_papers_operations() {
     let mesh = jittered_box();
-    let worst = |mesh: &TetMesh, measure: fn([glam::DVec3; 4]) -> f64| quality::worst_and_mean(mesh, measure).0;
+    let worst = |mesh: &TetMesh, measure: quality::CellMeasure| quality::worst_and_mean(mesh, measure).0;
     let refined = |measure| {
         let optimise = Optimise { measure, ..Optimise::default() };
         step(&mesh, &History::default(), Options { optimise, frames: true, ..Options::default() })
     };
     for (measure, function) in [
-        (QualityMeasure::MinSine, quality::min_sine as fn([glam::DVec3; 4]) -> f64),
+        (QualityMeasure::MinSine, quality::min_sine as quality::CellMeasure),
         (QualityMeasure::MinDihedral, quality::min_dihedral),
         (QualityMeasure::MinSolidAngle, quality::min_solid_angle),
         (QualityMeasure::EdgeRatio, quality::edge_ratio),

@@ -117,6 +117,9 @@ pub const REGULAR_DIHEDRAL: f64 = 70.528_779_365_509_3;
 /// [`min_solid_angle`] of the regular tetrahedron, 3 acos(1/3) - pi.
 pub const REGULAR_SOLID_ANGLE: f64 = 0.551_285_598_432_530_8;
 
+/// A number for the shape of the tetrahedron of these corners.
+pub type CellMeasure = fn([DVec3; 4]) -> f64;
+
 /// Numbers of cells by their minimum dihedral angle, in 36 bins of two degrees from 0.
 #[must_use]
 pub fn dihedral_counts(mesh: &TetMesh) -> Vec<usize> {
@@ -130,7 +133,7 @@ pub fn dihedral_counts(mesh: &TetMesh) -> Vec<usize> {
 
 /// The worst and the mean value of a measure over the cells of a mesh.
 #[must_use]
-pub fn worst_and_mean(mesh: &TetMesh, measure: fn([DVec3; 4]) -> f64) -> (f64, f64) {
+pub fn worst_and_mean(mesh: &TetMesh, measure: CellMeasure) -> (f64, f64) {
     let values = (0..mesh.tets().len()).map(|t| measure(mesh.cell_points(t)));
     let (worst, sum) = values.fold((f64::INFINITY, 0.0), |(worst, sum), x| (x.min(worst), sum + x));
     (worst, sum / mesh.tets().len().max(1) as f64)
@@ -228,7 +231,7 @@ mod tests {
         assert!((min_sine(regular()) - angle.to_radians().sin()).abs() < 1e-14);
     }
 
-    const MEASURES: [(fn([DVec3; 4]) -> f64, f64); 4] = [
+    const MEASURES: [(CellMeasure, f64); 4] = [
         (min_sine, REGULAR_SINE),
         (min_dihedral, REGULAR_DIHEDRAL),
         (min_solid_angle, REGULAR_SOLID_ANGLE),

@@ -5,7 +5,6 @@ use super::{load, print, select, table};
 use crate::error::Error;
 use crate::mesh::{GroupId, TetMesh, features, quality, read, topology};
 use crate::output::report::write_json;
-use glam::DVec3;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -44,7 +43,7 @@ pub fn inspect(inspection: &Inspection) -> Result<(), Error> {
 }
 
 /// The measures beside the minimum dihedral angle that Burkhart, Hamann and Umlauf 2010 name.
-const MEASURES: [(&str, fn([DVec3; 4]) -> f64); 3] = [
+const MEASURES: [(&str, quality::CellMeasure); 3] = [
     ("minimum sines of dihedral angles", quality::min_sine),
     ("minimum solid angles, steradians", quality::min_solid_angle),
     ("edge ratios, shortest to longest", quality::edge_ratio),
