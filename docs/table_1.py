@@ -341,7 +341,8 @@ The pictures of the models are in [figures.md](figures.md).
 
 The same model with its surface kept, all in one run by `benches/peers/meshers.py`. Ours starts from the coarse mesh, the others
 from its red refinement. Seconds of ours are those of all refinement and optimisation, with {threads}; of the others, those of
-the optimiser's call alone, on their one thread. *Times ours* is the ratio of the seconds.
+the optimiser's call alone, on their one thread. *Times ours* is the ratio of the seconds. *Processor seconds* are those of all
+threads together, ours with reading and writing; they hardly change when the machine is busy.
 
 {improvers(options, mesh)}
 """

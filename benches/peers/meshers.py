@@ -11,8 +11,9 @@ minimum dihedral angles of the tetrahedra, computed here for all alike.
 
 Seconds: ours are those of all refinement and optimisation, from the coarse mesh, as `subdivide` reports them, with
 `--threads 2` unless told otherwise; the peers' are those of the optimiser's call alone, without reading, without red
-refinement and without converting meshes. Gmsh and mmg3d use one thread whatever they are given. Wheels that are missing
-are named, and the rest is measured.
+refinement and without converting meshes. Gmsh and mmg3d use one thread whatever they are given. Processor seconds, of all
+threads together, hardly change when the machine is busy; ours are those of the whole process. Wheels that are missing are
+named, and the rest is measured.
 """
 
 import argparse
@@ -35,13 +36,33 @@ def missing_wheels():
 
 
 def subdivide(binary, mesh, out, *options, threads=2):
-    """Runs `subsolid subdivide`; gives what it reports, with the seconds of the whole process as `process`."""
+    """Runs `subsolid subdivide`; gives what it reports, with the seconds of the whole process as `process`, and those that
+    its processors worked as `processor`."""
     command = [str(binary), "subdivide", str(mesh), "-o", str(out), "--threads", str(threads), "-q", "--json", "-"]
-    start = time.perf_counter()
+    start, used = time.perf_counter(), children_seconds()
     done = subprocess.run([*command, *map(str, options)], capture_output=True, text=True)
     if done.returncode:
         sys.exit(f"{' '.join(command)} failed:\n{done.stderr}")
-    return json.loads(done.stdout) | {"process": time.perf_counter() - start}
+    took = {"process": time.perf_counter() - start, "processor": children_seconds() - used}
+    return json.loads(done.stdout) | took
+
+
+def children_seconds():
+    """Processor seconds of all programs run so far."""
+    times = os.times()
+    return times.children_user + times.children_system
+
+
+class Timer:
+    """Wall and processor seconds of a block."""
+
+    def __enter__(self):
+        self.start = time.perf_counter(), time.process_time()
+        return self
+
+    def __exit__(self, *_):
+        self.seconds = time.perf_counter() - self.start[0]
+        self.processor = time.process_time() - self.start[1]
 
 
 def read_vtu(path):
@@ -85,7 +106,7 @@ def boundary_faces(tets):
 
 
 def improve_with_gmsh(points, tets):
-    """Gmsh's Netgen optimiser on the volume; points, tetrahedra, seconds."""
+    """Gmsh's Netgen optimiser on the volume; points, tetrahedra, what it took."""
     import gmsh
     import numpy as np
 
@@ -99,9 +120,8 @@ def improve_with_gmsh(points, tets):
     gmsh.model.mesh.addElementsByType(surface, 2, [], faces.ravel() + 1)
     gmsh.model.mesh.addElementsByType(volume, 4, [], tets.ravel() + 1)
     last = gmsh.model.mesh.getMaxElementTag()
-    start = time.perf_counter()
-    gmsh.model.mesh.optimize("Netgen", force=True)
-    seconds = time.perf_counter() - start
+    with Timer() as timer:
+        gmsh.model.mesh.optimize("Netgen", force=True)
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     place = np.zeros(int(tags.max()) + 1, dtype=np.int64)
     place[tags] = np.arange(len(tags))
@@ -109,11 +129,11 @@ def improve_with_gmsh(points, tets):
     gmsh.finalize()
     # Of a discrete entity Gmsh keeps the old elements beside the new ones, whose tags are larger.
     new = elements > last
-    return coordinates.reshape(-1, 3), place[corners.astype(np.int64)].reshape(-1, 4)[new], seconds
+    return coordinates.reshape(-1, 3), place[corners.astype(np.int64)].reshape(-1, 4)[new], timer
 
 
 def improve_with_mmg(points, tets):
-    """mmg3d -nosurf -optim; points, tetrahedra, seconds."""
+    """mmg3d -nosurf -optim; points, tetrahedra, what it took."""
     import mmgpy
     import numpy as np
 
@@ -123,10 +143,9 @@ def improve_with_mmg(points, tets):
     mesh.set_vertices(np.ascontiguousarray(points))
     mesh.set_tetrahedra(np.ascontiguousarray(tets, dtype=np.int32))
     mesh.set_triangles(np.ascontiguousarray(faces, dtype=np.int32))
-    start = time.perf_counter()
-    mesh.remesh(optim=1, nosurf=1, verbose=-1)
-    seconds = time.perf_counter() - start
-    return mesh.get_vertices(), mesh.get_tetrahedra().astype(np.int64), seconds
+    with Timer() as timer:
+        mesh.remesh(optim=1, nosurf=1, verbose=-1)
+    return mesh.get_vertices(), mesh.get_tetrahedra().astype(np.int64), timer
 
 
 def volume(points, tets):
@@ -137,8 +156,8 @@ def volume(points, tets):
     return np.einsum("ij,ij->i", np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), p[:, 3] - p[:, 0]).sum() / 6.0
 
 
-def row(level, name, points, tets, seconds, note=""):
-    """What the table shows of a mesh."""
+def row(level, name, points, tets):
+    """What the table shows of a mesh; times are added later."""
     angles = min_dihedral_angles(points, tets)
     return {
         "level": level,
@@ -148,14 +167,36 @@ def row(level, name, points, tets, seconds, note=""):
         "average": float(angles.mean()),
         "volume": float(volume(points, tets)),
         "boundary_faces": len(boundary_faces(tets)),
-        "seconds": seconds,
-        "note": note,
+        "seconds": None,
+        "processor": None,
+        "note": "",
     }
 
 
-def least(repeat, improve, *arguments):
-    """Points, tetrahedra and the least seconds of so many calls."""
-    return min((improve(*arguments) for _ in range(repeat)), key=lambda result: result[2])
+def at_level(binary, mesh, level, angle, threads, repeat, missing, out):
+    """The rows of a level. All improvers run in turn, `repeat` times, so that a machine that is busy meanwhile is so for all."""
+    common = ("--steps", level, "--feature-angle", angle)
+    subdivide(binary, mesh, out, "--scheme", "red", *common, threads=threads)
+    red = read_vtu(out)
+    peers = [("gmsh", "red + Gmsh's Netgen optimiser", improve_with_gmsh)]
+    peers += [("mmgpy", "red + mmg3d -nosurf -optim", improve_with_mmg)]
+    rows = {}
+
+    def took(name, points, tets, seconds, processor, note=""):
+        known = rows.setdefault(name, row(level, name, points, tets))
+        known["processor"] = min(processor, known["processor"] or processor)
+        if not known["seconds"] or seconds < known["seconds"]:
+            known |= {"seconds": seconds, "note": note}
+
+    for _ in range(repeat):
+        for wheel, name, improve in peers:
+            if wheel not in missing:
+                points, tets, timer = improve(*red)
+                took(name, points, tets, timer.seconds, timer.processor)
+        ours = subdivide(binary, mesh, out, "--boundary", "fixed", "--optimise", "best", *common, threads=threads)
+        note = f"whole process {ours['process']:.2f}"
+        took("sqrt(3), fixed, best", *read_vtu(out), ours["seconds"], ours["processor"], note)
+    return [row(level, "red refinement", *red), *rows.values()]
 
 
 def compare(binary, mesh, levels, angle, threads=2, repeat=1):
@@ -163,40 +204,27 @@ def compare(binary, mesh, levels, angle, threads=2, repeat=1):
     missing = missing_wheels()
     if {"numpy", "vtk"} & set(missing):
         return [], missing
-    rows = []
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "mesh.vtu"
-        for level in levels:
-            common = ("--steps", level, "--feature-angle", angle)
-            subdivide(binary, mesh, out, "--scheme", "red", *common, threads=threads)
-            red = read_vtu(out)
-            rows.append(row(level, "red refinement", *red, None))
-            if "gmsh" not in missing:
-                rows.append(row(level, "red + Gmsh's Netgen optimiser", *least(repeat, improve_with_gmsh, *red)))
-            if "mmgpy" not in missing:
-                rows.append(row(level, "red + mmg3d -nosurf -optim", *least(repeat, improve_with_mmg, *red)))
-            options = ("--boundary", "fixed", "--optimise", "best", *common)
-            runs = [subdivide(binary, mesh, out, *options, threads=threads) for _ in range(repeat)]
-            ours = min(runs, key=lambda run: run["seconds"])
-            note = f"whole process {ours['process']:.2f} s"
-            rows.append(row(level, "sqrt(3), fixed, best", *read_vtu(out), ours["seconds"], note))
-    return rows, missing
+        rows = [at_level(binary, mesh, level, angle, threads, repeat, missing, out) for level in levels]
+    return sum(rows, []), missing
 
 
 def table(rows):
-    """The rows as Markdown, each time also as a multiple of ours at its level."""
+    """The rows as Markdown, the seconds also as multiples of ours at their level."""
     lines = [
-        "| level | mesh | tets | worst / average angle | seconds | tets per second | times ours |",
-        "|---|---|--:|--:|--:|--:|--:|",
+        "| level | mesh | tets | worst / average angle | seconds | times ours | tets per second | processor seconds |",
+        "|---|---|--:|--:|--:|--:|--:|--:|",
     ]
     ours = {r["level"]: r["seconds"] for r in rows if r["name"].startswith("sqrt(3)")}
     for r in rows:
-        timed = ["", "", ""]
+        timed = [""] * 4
         if r["seconds"]:
             timed = [
                 f"{r['seconds']:.2f}" + (f" ({r['note']})" if r["note"] else ""),
-                f"{r['tets'] / r['seconds']:,.0f}",
                 f"{r['seconds'] / ours[r['level']]:.1f}",
+                f"{r['tets'] / r['seconds']:,.0f}",
+                f"{r['processor']:.2f}",
             ]
         cells = [f"{r['level']}", r["name"], f"{r['tets']:,}", f"{r['worst']:.2f} / {r['average']:.2f}", *timed]
         lines.append("| " + " | ".join(cells) + " |")
@@ -217,7 +245,8 @@ def main():
     rows, missing = compare(options.subsolid, options.mesh, options.levels, options.feature_angle, options.threads, options.repeat)
     if missing:
         print(f"not measured for want of Python wheels: pip install {' '.join(missing)}")
-    print(table(rows))
+    if rows:
+        print(table(rows))
     if options.json:
         options.json.write_text(json.dumps(rows, indent=2) + "\n")
 
