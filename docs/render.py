@@ -236,15 +236,18 @@ def aim(renderer, mesh, options):
     camera.Zoom(0.95)
 
 
-def write(renderers, path, width):
-    """Renders panels side by side into a file."""
+def write(rows, path, width, height=None):
+    """Renders rows of panels, each of the given size (square by default), into a file."""
+    columns, height = max(len(row) for row in rows), height or width
     window = vtkRenderWindow()
     window.SetOffScreenRendering(1)
     window.SetMultiSamples(4)
-    window.SetSize(width * len(renderers), width)
-    for i, renderer in enumerate(renderers):
-        renderer.SetViewport(i / len(renderers), 0, (i + 1) / len(renderers), 1)
-        window.AddRenderer(renderer)
+    window.SetSize(width * columns, height * len(rows))
+    for j, row in enumerate(rows):
+        for i, renderer in enumerate(row):
+            bottom = 1 - (j + 1) / len(rows)
+            renderer.SetViewport(i / columns, bottom, (i + 1) / columns, bottom + 1 / len(rows))
+            window.AddRenderer(renderer)
     window.Render()
     image = vtkWindowToImageFilter()
     image.SetInput(window)
@@ -252,6 +255,7 @@ def write(renderers, path, width):
     writer = vtkPNGWriter()
     writer.SetFileName(str(path))
     writer.SetInputConnection(image.GetOutputPort())
+    writer.SetCompressionLevel(9)
     writer.Write()
     print(path)
 
@@ -266,8 +270,8 @@ def main():
     mesh = surface(grid, warp)
     made = pictures(grid, step)
     for picture in made:
-        write([panel(mesh, picture, options, warp)], out / f"{picture[0]}.png", options.width)
-    write([panel(mesh, picture, options, warp) for picture in made], out / "sheet.png", options.width)
+        write([[panel(mesh, picture, options, warp)]], out / f"{picture[0]}.png", options.width)
+    write([[panel(mesh, picture, options, warp) for picture in made]], out / "sheet.png", options.width)
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 use std::path::PathBuf;
-use subsolid::subdiv::options::{Boundary, Mode, Scheme};
+use subsolid::subdiv::options::{Boundary, Mode, QualityMeasure, Scheme};
 
 /// Finite-element simulation of linear-elastic solids represented by adaptive subdivision meshes.
 #[derive(Debug, Parser)]
@@ -104,9 +104,15 @@ pub struct Subdivide {
     /// How each refined mesh is optimised for its dihedral angles
     #[arg(long, value_enum, default_value_t = ModeName::Paper)]
     pub optimise: ModeName,
+    /// What a good cell is to the published operations
+    #[arg(long, value_enum, default_value_t = MeasureName::MinSine)]
+    pub measure: MeasureName,
     /// The .vtu file to write
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
+    /// Write the mesh after each elementary stage into this folder too; open its frames.pvd in ParaView
+    #[arg(long, value_name = "DIR")]
+    pub frames: Option<PathBuf>,
     /// What all commands have
     #[command(flatten)]
     pub common: Common,
@@ -126,6 +132,30 @@ impl From<ModeName> for Mode {
         match name {
             ModeName::Paper => Self::Paper,
             ModeName::Best => Self::Best,
+        }
+    }
+}
+
+/// Names of the measures of a cell.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum MeasureName {
+    /// The smallest sine of its dihedral angles
+    MinSine,
+    /// The smallest dihedral angle
+    MinDihedral,
+    /// The smallest solid angle
+    MinSolidAngle,
+    /// The shortest over the longest edge
+    EdgeRatio,
+}
+
+impl From<MeasureName> for QualityMeasure {
+    fn from(name: MeasureName) -> Self {
+        match name {
+            MeasureName::MinSine => Self::MinSine,
+            MeasureName::MinDihedral => Self::MinDihedral,
+            MeasureName::MinSolidAngle => Self::MinSolidAngle,
+            MeasureName::EdgeRatio => Self::EdgeRatio,
         }
     }
 }

@@ -15,7 +15,7 @@ use subsolid::pipeline::inspect::{Inspection, inspect};
 use subsolid::pipeline::subdivide::{Subdivision, subdivide};
 use subsolid::pipeline::{MemoryProbe, RunOptions, check, compare, run};
 use subsolid::scenario::Scenario;
-use subsolid::subdiv::options::{Optimise, Options, Scheme};
+use subsolid::subdiv::options::{Mode, Optimise, Options, QualityMeasure, Scheme};
 
 #[global_allocator]
 static ALLOCATOR: PeakAlloc = PeakAlloc;
@@ -47,10 +47,16 @@ fn main() -> ExitCode {
 
 /// What `subdivide` is told, in the library's words.
 fn subdivision(arguments: cli::Subdivide) -> Subdivision {
-    let cli::Subdivide { mesh, feature_angle, edges, corners, output, common: Common { quiet, json, .. }, .. } =
+    let quiet = is_quiet(&arguments.common);
+    let cli::Subdivide { mesh, feature_angle, edges, corners, output, frames, common: Common { json, .. }, .. } =
         arguments;
-    let optimise = Optimise { mode: arguments.optimise.into(), ..Optimise::default() };
-    let options = Options { scheme: arguments.scheme.into(), boundary: arguments.boundary.into(), optimise };
+    let (mode, measure) = (arguments.optimise.into(), arguments.measure.into());
+    if mode == Mode::Best && measure != QualityMeasure::MinSine {
+        refuse("--measure is for the published operations: use it with --optimise paper");
+    }
+    let optimise = Optimise { mode, measure, ..Optimise::default() };
+    let options =
+        Options { scheme: arguments.scheme.into(), boundary: arguments.boundary.into(), optimise, frames: false };
     let cells = match arguments.select {
         None => Cells::All,
         Some(_) if options.scheme == Scheme::Red => {
@@ -69,6 +75,7 @@ fn subdivision(arguments: cli::Subdivide) -> Subdivision {
         edges,
         corners,
         output,
+        frames,
         quiet,
         json,
     }

@@ -148,6 +148,9 @@ fn lists_that_do_not_fit_the_mesh_are_refused_with_their_line() {
         assert!(stdout.is_empty() && stderr.contains(word), "{arguments:?}\n{stderr}");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), before, "{arguments:?}");
     }
+    let measure = ["subdivide", "one.msh", "-o", "out.vtu", "--optimise", "best", "--measure", "edge-ratio"];
+    let (status, _, stderr) = subsolid(folder.path(), &measure);
+    assert!(status == Some(2) && stderr.contains("--optimise paper"), "{stderr}");
     let red = ["subdivide", "one.msh", "-o", "out.vtu", "--scheme", "red", "--select", "cells.txt"];
     let (status, _, stderr) = subsolid(folder.path(), &red);
     assert!(status == Some(2) && stderr.contains("--select"), "{stderr}");

@@ -110,7 +110,7 @@ fn options() -> impl Strategy<Value = Options> {
     let boundary = prop::sample::select(vec![Boundary::Fixed, Boundary::Approximating, Boundary::Interpolating]);
     (scheme, boundary, optimisers()).prop_map(|(scheme, boundary, optimise)| {
         let boundary = if scheme == Scheme::Sqrt3 { boundary } else { Boundary::Fixed };
-        Options { scheme, boundary, optimise }
+        Options { scheme, boundary, optimise, ..Options::default() }
     })
 }
 

@@ -8,14 +8,20 @@ use glam::DVec3;
 use proptest::prelude::*;
 use subsolid::mesh::quality::{Quality, quality};
 use subsolid::mesh::{TetMesh, features, generate, read};
-use subsolid::subdiv::options::{Boundary, Mode, Objective, Optimise, Options, Scheme};
+use subsolid::subdiv::options::{Boundary, Mode, Objective, Optimise, Options, QualityMeasure, Scheme};
 use subsolid::subdiv::{self, History, Refined};
 
-const BEST: Optimise =
-    Optimise { mode: Mode::Best, objective: Objective::Quality, passes: 3, target_angle: 32.0, valence_limit: 50 };
+const BEST: Optimise = Optimise {
+    mode: Mode::Best,
+    objective: Objective::Quality,
+    measure: QualityMeasure::MinSine,
+    passes: 3,
+    target_angle: 32.0,
+    valence_limit: 50,
+};
 
 fn step(mesh: &TetMesh, history: &History, selected: &[bool], boundary: Boundary) -> Refined {
-    let options = Options { scheme: Scheme::Sqrt3, boundary, optimise: BEST };
+    let options = Options { boundary, optimise: BEST, ..Options::default() };
     subdiv::refine(mesh, history, selected, &options).unwrap()
 }
 

@@ -6,7 +6,7 @@ use subsolid::Error;
 use subsolid::adapt::options::{Estimator, Marking};
 use subsolid::fem::options::Method;
 use subsolid::scenario::{Invalid, LoadKind, MeshSource, Scenario, ScenarioError, Selector, Stop, Strategy};
-use subsolid::subdiv::options::{Boundary, Scheme};
+use subsolid::subdiv::options::{Boundary, QualityMeasure, Scheme};
 
 const BASE: &str = r#"
 [mesh]
@@ -115,7 +115,7 @@ scheme = "sqrt3"
 strategy = "global"
 steps = 4
 boundary = "approximating"
-optimise = { mode = "paper", objective = "quality", passes = 2 }
+optimise = { mode = "paper", objective = "quality", measure = "min-solid-angle", passes = 2 }
 [refine.stop]
 relative_error = 0.05
 max_cells = 100_000
@@ -150,6 +150,7 @@ fn every_key_is_read() {
     let stop =
         Stop { relative_error: Some(0.05), max_cells: Some(100_000), max_memory: Some(2 << 30), seconds: Some(60.0) };
     assert_eq!((s.refine.stop, s.refine.steps, s.refine.options.optimise.passes), (stop, 4, 2));
+    assert_eq!(s.refine.options.optimise.measure, QualityMeasure::MinSolidAngle);
     assert_eq!((s.refine.options.boundary, s.refine.strategy), (Boundary::Approximating, Strategy::Global));
     assert_eq!((s.adapt.marking, s.adapt.grow), (Marking::Fraction(0.1), 1));
     assert_eq!(s.published.unwrap().steps[0].cells, 2799);
@@ -218,6 +219,14 @@ fn a_vector_has_exactly_three_numbers() {
         let fault = refuse(&with(&format!("[loads.b]\ngroup = \"g\"\nforce = {numbers}")), &[]);
         assert_eq!((fault.key.as_str(), labelled(&fault)), ("loads.b.force", numbers));
     }
+}
+
+#[test]
+fn measures_are_for_the_published_operations() {
+    let fault = refuse(&with("[refine.optimise]\nmeasure = \"edge-ratio\""), &[]);
+    assert_eq!((fault.key.as_str(), labelled(&fault)), ("refine.optimise.measure", "\"edge-ratio\""));
+    let s = accept(&with("[refine.optimise]\nmeasure = \"edge-ratio\"\nmode = \"paper\""), &[]);
+    assert_eq!(s.refine.options.optimise.measure, QualityMeasure::EdgeRatio);
 }
 
 #[test]

@@ -14,12 +14,13 @@ use subsolid::subdiv::{self, History, Refined};
 const BISECTION: Options = options(Scheme::LongestEdge, Boundary::Fixed);
 
 const fn options(scheme: Scheme, boundary: Boundary) -> Options {
-    Options { scheme, boundary, optimise: OPTIMISE }
+    Options { scheme, boundary, optimise: OPTIMISE, frames: false }
 }
 
 const OPTIMISE: Optimise = Optimise {
     mode: subsolid::subdiv::options::Mode::Paper,
     objective: subsolid::subdiv::options::Objective::Quality,
+    measure: subsolid::subdiv::options::QualityMeasure::MinSine,
     passes: 3,
     target_angle: 32.0,
     valence_limit: 50,

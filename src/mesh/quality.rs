@@ -81,6 +81,64 @@ pub fn min_dihedral(p: [DVec3; 4]) -> f64 {
     dihedral_angles(p).into_iter().fold(f64::INFINITY, f64::min)
 }
 
+/// The smallest solid angle at a vertex, in steradians, signed by the volume: 0.551 for the regular tetrahedron, zero for a
+/// flat one.
+///
+/// With edges a, b, c at a vertex, `tan(omega / 2) = det(a, b, c) / (|a||b||c| + (a.b)|c| + (b.c)|a| + (c.a)|b|)` (Van Oosterom
+/// and Strackee 1983).
+#[must_use]
+pub fn min_solid_angle(p: [DVec3; 4]) -> f64 {
+    let angle = |v: usize| {
+        // Clockwise seen from the vertex: the determinant is six volumes.
+        let [a, b, c] = FACES[v].map(|w| p[w] - p[v]);
+        let [la, lb, lc] = [a, b, c].map(DVec3::length);
+        let denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+        2.0 * a.dot(b.cross(c)).atan2(denominator)
+    };
+    (0..4).map(angle).fold(f64::INFINITY, f64::min)
+}
+
+/// The shortest over the longest edge: 1 for the regular tetrahedron, 0 where two vertices coincide. It says nothing of the
+/// volume: flat cells may have ratios up to 0.707 (a square).
+#[must_use]
+pub fn edge_ratio(p: [DVec3; 4]) -> f64 {
+    let squares = EDGES.map(|[i, j]| p[i].distance_squared(p[j]));
+    let longest = squares.into_iter().fold(0.0, f64::max);
+    let shortest = squares.into_iter().fold(f64::INFINITY, f64::min);
+    if longest > 0.0 { (shortest / longest).sqrt() } else { 0.0 }
+}
+
+/// [`min_sine`] of the regular tetrahedron, sqrt(8) / 3.
+pub const REGULAR_SINE: f64 = 0.942_809_041_582_063_4;
+
+/// [`min_dihedral`] of the regular tetrahedron, acos(1/3) in degrees.
+pub const REGULAR_DIHEDRAL: f64 = 70.528_779_365_509_3;
+
+/// [`min_solid_angle`] of the regular tetrahedron, 3 acos(1/3) - pi.
+pub const REGULAR_SOLID_ANGLE: f64 = 0.551_285_598_432_530_8;
+
+/// A number for the shape of the tetrahedron of these corners.
+pub type CellMeasure = fn([DVec3; 4]) -> f64;
+
+/// Numbers of cells by their minimum dihedral angle, in 36 bins of two degrees from 0.
+#[must_use]
+pub fn dihedral_counts(mesh: &TetMesh) -> Vec<usize> {
+    let mut counts = vec![0; 36];
+    for t in 0..mesh.tets().len() {
+        // No minimum dihedral angle exceeds that of the regular tetrahedron, 70.5 degrees.
+        counts[((min_dihedral(mesh.cell_points(t)) / 2.0) as usize).min(35)] += 1;
+    }
+    counts
+}
+
+/// The worst and the mean value of a measure over the cells of a mesh.
+#[must_use]
+pub fn worst_and_mean(mesh: &TetMesh, measure: CellMeasure) -> (f64, f64) {
+    let values = (0..mesh.tets().len()).map(|t| measure(mesh.cell_points(t)));
+    let (worst, sum) = values.fold((f64::INFINITY, 0.0), |(worst, sum), x| (x.min(worst), sum + x));
+    (worst, sum / mesh.tets().len().max(1) as f64)
+}
+
 /// Outward normals (length twice the area) of the faces opposite to each vertex of a positive tetrahedron.
 #[must_use]
 pub fn face_normals(p: [DVec3; 4]) -> [DVec3; 4] {
@@ -111,6 +169,8 @@ pub struct Quality {
     pub max_valence: usize,
     /// Mean number of cells at a vertex.
     pub average_valence: f64,
+    /// Share of the vertices with more than 50 cells, which Burkhart, Hamann and Umlauf 2010 give too.
+    pub valence_above_50: f64,
     /// Cells whose volume is not positive.
     pub inverted: usize,
 }
@@ -129,6 +189,7 @@ pub fn quality(mesh: &TetMesh) -> Quality {
         best: 0.0,
         max_valence: valence.iter().copied().max().unwrap_or(0),
         average_valence: 4.0 * mesh.tets().len() as f64 / used as f64,
+        valence_above_50: valence.iter().filter(|&&n| n > 50).count() as f64 / used as f64,
         inverted: 0,
     };
     let mut q = (0..mesh.tets().len()).fold(start, |q, t| {
@@ -168,6 +229,61 @@ mod tests {
             assert!((a - angle).abs() < 1e-12, "{a}");
         }
         assert!((min_sine(regular()) - angle.to_radians().sin()).abs() < 1e-14);
+    }
+
+    const MEASURES: [(CellMeasure, f64); 4] = [
+        (min_sine, REGULAR_SINE),
+        (min_dihedral, REGULAR_DIHEDRAL),
+        (min_solid_angle, REGULAR_SOLID_ANGLE),
+        (edge_ratio, 1.0),
+    ];
+
+    #[test]
+    fn measures_are_largest_for_the_regular_tetrahedron_whatever_its_place_and_size() {
+        let turn = glam::DQuat::from_euler(glam::EulerRot::XYZ, 0.3, -1.1, 2.0);
+        let moved = |p: [DVec3; 4]| p.map(|x| 37.0 * (turn * x) + DVec3::new(3.0, -20.0, 0.5));
+        for (measure, of_regular) in MEASURES {
+            for p in [regular(), moved(regular())] {
+                assert!((measure(p) / of_regular - 1.0).abs() < 1e-12, "{}", measure(p));
+            }
+            for i in 0..4 {
+                for shift in [DVec3::X, DVec3::Y, DVec3::Z] {
+                    let mut p = regular();
+                    p[i] += 0.2 * shift;
+                    assert!(measure(p) < of_regular - 1e-3, "vertex {i} by {shift}: {}", measure(p));
+                    assert!((measure(moved(p)) - measure(p)).abs() < 1e-10 * of_regular);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn flat_cells_are_worth_nothing_to_all_measures_but_the_edge_ratio() {
+        let square =
+            |h: f64| [DVec3::ZERO, DVec3::new(1.0, 0.0, h), DVec3::new(1.0, 1.0, 0.0), DVec3::new(0.0, 1.0, h)];
+        for h in [1e-4, 1e-6] {
+            let [a, b, c, d] = square(h);
+            let sliver = if volume([a, b, c, d]) > 0.0 { [a, b, c, d] } else { [a, b, d, c] };
+            assert!(volume(sliver) > 0.0);
+            for (measure, of_regular) in &MEASURES[..3] {
+                let share = measure(sliver) / of_regular;
+                assert!(share > 0.0 && share < 10.0 * h, "height {h}: {share}");
+            }
+            assert!((edge_ratio(sliver) - 0.5_f64.sqrt()).abs() < 1e-6);
+        }
+        let [a, b, c, _] = regular();
+        assert_eq!(edge_ratio([a, b, c, c]), 0.0);
+    }
+
+    #[test]
+    fn the_solid_angles_of_a_corner_of_a_cube_are_known() {
+        // Three right angles: an octant at the origin; the other three are equal by symmetry.
+        let corner = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+        // By Girard's theorem, with the dihedral angles 90, acos(1/sqrt(3)), acos(1/sqrt(3)) at such a vertex.
+        let expected = 2.0 * (1.0_f64 / 3.0_f64.sqrt()).acos() - std::f64::consts::FRAC_PI_2;
+        assert!((min_solid_angle(corner) - expected).abs() < 1e-14);
+        let [a, b, c, d] = corner;
+        assert!(min_solid_angle([a, b, d, c]) < 0.0);
     }
 
     #[test]

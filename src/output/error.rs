@@ -10,7 +10,7 @@ pub enum OutputError {
     #[error("cannot write {path}", path = path.display())]
     #[diagnostic(help(
         "check that the folder exists, may be written to and has free space, or name another by the option it came from \
-         (--output, or --json); an older file of that name was left as it was"
+         (--output, --frames or --json); an older file of that name was left as it was"
     ))]
     Write {
         /// The file or folder asked for.

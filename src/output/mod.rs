@@ -6,6 +6,7 @@
 pub mod atomic;
 pub mod compare;
 mod error;
+pub mod frames;
 pub mod options;
 pub mod plot;
 pub mod progress;

@@ -144,6 +144,8 @@ pub struct QualityRecord {
     pub max_valence: usize,
     /// Mean number of cells at a vertex.
     pub average_valence: f64,
+    /// Share of the vertices with more than 50 cells.
+    pub valence_above_50: f64,
     /// Cells whose volume is not positive.
     pub inverted: usize,
 }
@@ -205,6 +207,8 @@ pub struct MeshReport {
     pub mesh: MeshCounts,
     /// Shape of the cells.
     pub quality: QualityRecord,
+    /// Numbers of cells by their minimum dihedral angle, in bins of two degrees from 0.
+    pub dihedral_counts: Vec<usize>,
     /// Wall time of what made it.
     pub seconds: f64,
 }
@@ -213,7 +217,8 @@ impl MeshReport {
     /// Describes a mesh that took `seconds` to make.
     #[must_use]
     pub fn of(mesh: &TetMesh, seconds: f64) -> Self {
-        Self { mesh: MeshCounts::of(mesh), quality: quality::quality(mesh).into(), seconds }
+        let dihedral_counts = quality::dihedral_counts(mesh);
+        Self { mesh: MeshCounts::of(mesh), quality: quality::quality(mesh).into(), dihedral_counts, seconds }
     }
 }
 
@@ -236,8 +241,8 @@ impl MeshCounts {
 
 impl From<quality::Quality> for QualityRecord {
     fn from(q: quality::Quality) -> Self {
-        let quality::Quality { worst, average, best, max_valence, average_valence, inverted } = q;
-        Self { worst, average, best, max_valence, average_valence, inverted }
+        let quality::Quality { worst, average, best, max_valence, average_valence, valence_above_50, inverted } = q;
+        Self { worst, average, best, max_valence, average_valence, valence_above_50, inverted }
     }
 }
 
@@ -304,6 +309,7 @@ pub(super) mod tests {
                 best: 69.0,
                 max_valence: 40,
                 average_valence: 11.6,
+                valence_above_50: 0.0,
                 inverted: 0,
             },
             solver: SolverRecord { method: "direct".to_owned(), iterations: 0, residual: 1e-13, nonzeros: 100_000 },
@@ -357,7 +363,7 @@ pub(super) mod tests {
                  strain_energy max_displacement error quality solver seconds reactions quantities",
             ),
             ("/steps/0/error", "energy relative normalised_mean normalised_mean_square effectivity"),
-            ("/steps/0/quality", "worst average best max_valence average_valence inverted"),
+            ("/steps/0/quality", "worst average best max_valence average_valence valence_above_50 inverted"),
             ("/steps/0/solver", "method iterations residual nonzeros"),
             ("/steps/0/seconds", "refine assemble solve estimate mark write total"),
             ("/steps/0/quantities/tip", "value error"),
@@ -393,9 +399,12 @@ pub(super) mod tests {
         let counts = MeshCounts::of(&mesh);
         assert_eq!((counts.cells, counts.nodes, counts.edges, counts.boundary_faces), (1, 4, 6, 4));
         assert!((counts.volume - 1.0 / 6.0).abs() < 1e-15);
-        let record = MeshReport { mesh: counts, quality: quality::quality(&mesh).into(), seconds: 0.0 };
+        let record = MeshReport::of(&mesh, 0.0);
+        assert_eq!(record.mesh, counts);
+        assert_eq!(record.dihedral_counts.iter().sum::<usize>(), counts.cells);
         let json = serde_json::to_value(record).unwrap();
-        let names = "cells nodes edges boundary_faces feature_edges feature_length volume quality seconds";
+        let names =
+            "cells nodes edges boundary_faces feature_edges feature_length volume quality dihedral_counts seconds";
         assert_eq!(keys(&json, ""), sorted(names));
     }
 }

@@ -42,6 +42,13 @@ pub fn inspect(inspection: &Inspection) -> Result<(), Error> {
     print(&text)
 }
 
+/// The measures beside the minimum dihedral angle that Burkhart, Hamann and Umlauf 2010 name.
+const MEASURES: [(&str, quality::CellMeasure); 3] = [
+    ("minimum sines of dihedral angles", quality::min_sine),
+    ("minimum solid angles, steradians", quality::min_solid_angle),
+    ("edge ratios, shortest to longest", quality::edge_ratio),
+];
+
 /// Counts, size and quality.
 pub(super) fn describe_mesh(mesh: &TetMesh, format: &str) -> String {
     let q = quality::quality(mesh);
@@ -64,7 +71,13 @@ pub(super) fn describe_mesh(mesh: &TetMesh, format: &str) -> String {
         "minimum dihedral angles",
         format!("worst {:.2}, average {:.2}, best {:.2} degrees", q.worst, q.average, q.best),
     );
-    row("cells at a vertex", format!("at most {}, average {:.2}", q.max_valence, q.average_valence));
+    for (name, measure) in MEASURES {
+        let (worst, mean) = quality::worst_and_mean(mesh, measure);
+        row(name, format!("worst {worst:.4}, average {mean:.4}"));
+    }
+    let above = 100.0 * q.valence_above_50;
+    let valence = format!("at most {}, average {:.2}, above 50 at {above:.2} %", q.max_valence, q.average_valence);
+    row("cells at a vertex", valence);
     row("inverted cells", q.inverted.to_string());
     format!("{rows}\n")
 }

@@ -4,6 +4,7 @@ use super::choice::{Cells, with_features};
 use super::{load, print};
 use crate::error::Error;
 use crate::mesh::read;
+use crate::output::frames::FrameWriter;
 use crate::output::options::Compression;
 use crate::output::progress::Progress;
 use crate::output::report::{MeshReport, write_json};
@@ -32,6 +33,8 @@ pub struct Subdivision {
     pub corners: Option<PathBuf>,
     /// The file to write.
     pub output: PathBuf,
+    /// Folder for the mesh after each elementary stage of each step.
+    pub frames: Option<PathBuf>,
     /// Print errors only.
     pub quiet: bool,
     /// File for the counts and the quality of the final mesh.
@@ -52,16 +55,28 @@ pub fn subdivide(command: &Subdivision) -> Result<MeshReport, Error> {
     let mut mesh = with_features(file.mesh, command.feature_angle, edges, corners)?;
     let mut history = History::default();
     let progress = Progress::new(command.quiet);
-    let (clock, mut split) = (Instant::now(), 0);
+    let mut frames = command.frames.as_deref().map(FrameWriter::new).transpose()?;
+    if let Some(frames) = &mut frames {
+        frames.write("input", &mesh)?;
+    }
+    let options = Options { frames: frames.is_some(), ..command.options };
+    let (mut seconds, mut split) = (0.0, 0);
     for step in 1..=command.steps {
         let chosen = command.cells.choose(&mesh, step)?;
         let count = chosen.iter().filter(|c| **c).count();
         let _phase = progress.phase(format!("step {step}: refine {count} of {} cells", chosen.len()));
-        let refined = subdiv::refine(&mesh, &history, &chosen, &command.options)?;
+        let clock = Instant::now();
+        let refined = subdiv::refine(&mesh, &history, &chosen, &options)?;
+        seconds += clock.elapsed().as_secs_f64();
         split += refined.info.split;
+        if let Some(writer) = &mut frames {
+            for frame in &refined.frames {
+                writer.write(&format!("step {step} {}", frame.stage), &frame.mesh)?;
+            }
+        }
         (mesh, history) = (refined.mesh, refined.history);
     }
-    let report = MeshReport::of(&mesh, clock.elapsed().as_secs_f64());
+    let report = MeshReport::of(&mesh, seconds);
     write_vtu(&command.output, &mesh, &Fields::default(), Compression::default())?;
     if let Some(path) = &command.json {
         write_json(path, &report)?;
@@ -73,7 +88,7 @@ pub fn subdivide(command: &Subdivision) -> Result<MeshReport, Error> {
 }
 
 fn describe(report: &MeshReport, split: usize, output: &Path) -> String {
-    let MeshReport { mesh, quality: q, seconds } = report;
+    let MeshReport { mesh, quality: q, seconds, .. } = report;
     format!(
         "{} cells, {} nodes, {} feature edges\nminimum dihedral angle: worst {:.2}, average {:.2} degrees; largest valence \
          {}\n{split} cells refined in {seconds:.3} s, written to {}\n",

@@ -7,7 +7,7 @@ use super::raw::*;
 use super::selector::{KINDS, at_most_one, no_selector, one};
 use super::*;
 use crate::output::options::PublishedStep;
-use crate::subdiv::options::{Boundary, Mode, Objective, Optimise, Scheme};
+use crate::subdiv::options::{Boundary, Mode, Objective, Optimise, QualityMeasure, Scheme};
 use std::ops::Range;
 use toml::Spanned;
 
@@ -231,7 +231,7 @@ fn refine(raw: Option<RawRefine>, warnings: &mut Vec<String>) -> Checked<Refine>
              of different steps do not compare exactly (\"fixed\" keeps the surface)"
         ));
     }
-    Ok(Refine { strategy, steps, options: Options { scheme, boundary, optimise }, stop })
+    Ok(Refine { strategy, steps, options: Options { scheme, boundary, optimise, frames: false }, stop })
 }
 
 /// For analysis the objective is a small error; the paper's operations know only the angles.
@@ -239,9 +239,16 @@ fn optimise(raw: &RawOptimise) -> Checked<Optimise> {
     let passes = raw.passes.as_ref().map(|n| integer(n, 1..=100)).transpose()?.unwrap_or(3);
     let default = Optimise::default();
     let angle = |x: &Number| within(x, "from 1 to 60 degrees", |a| (1.0..=60.0).contains(&a));
+    let mode = raw.mode.unwrap_or(Mode::Best);
+    let measure = raw.measure.as_ref().map_or(QualityMeasure::MinSine, |m| *m.get_ref());
+    if let (Mode::Best, true, Some(written)) = (mode, measure != QualityMeasure::MinSine, &raw.measure) {
+        return Err(Fault::new(written.span(), "is a measure for the published operations", "not in mode \"best\"")
+            .help("set refine.optimise.mode = \"paper\", or leave the measure out"));
+    }
     Ok(Optimise {
-        mode: raw.mode.unwrap_or(Mode::Best),
+        mode,
         objective: raw.objective.unwrap_or(Objective::Error),
+        measure,
         passes,
         target_angle: raw.target_angle.as_ref().map(angle).transpose()?.unwrap_or(default.target_angle),
         valence_limit: raw

@@ -3,7 +3,7 @@
 use crate::adapt::options::Estimator;
 use crate::fem::options::Method;
 use crate::output::options::Compression;
-use crate::subdiv::options::{Boundary, Mode, Objective, Scheme};
+use crate::subdiv::options::{Boundary, Mode, Objective, QualityMeasure, Scheme};
 use serde::{Deserialize, Deserializer, de};
 use std::{collections::BTreeMap, fmt, marker::PhantomData, ops::Range};
 use toml::Spanned;
@@ -245,6 +245,7 @@ pub(super) struct RawRefine {
 pub(super) struct RawOptimise {
     pub mode: Option<Mode>,
     pub objective: Option<Objective>,
+    pub measure: Option<Spanned<QualityMeasure>>,
     pub passes: Option<Integer>,
     pub target_angle: Option<Number>,
     pub valence_limit: Option<Integer>,

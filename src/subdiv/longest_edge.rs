@@ -41,7 +41,7 @@ pub(super) fn refine(mesh: &TetMesh, selected: &[bool]) -> Result<Refined, MeshE
     let worst_sine = solid.worst_sine_of_all();
     let info = Info { asked: cells.len(), split: selected.len() - kept, worst_sine, ..Info::default() };
     let transfer = solid.take_transfer();
-    Ok(Refined { mesh: solid.finish()?, transfer, history: History::default(), info })
+    Ok(Refined { mesh: solid.finish()?, transfer, history: History::default(), info, frames: Vec::new() })
 }
 
 /// An edge in the order of bisection.

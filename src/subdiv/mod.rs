@@ -26,6 +26,17 @@ pub struct Refined {
     pub history: History,
     /// What was done.
     pub info: Info,
+    /// The mesh after each stage, in order; none unless [`Options::frames`] asks for them.
+    pub frames: Vec<Frame>,
+}
+
+/// The mesh after a stage of a refinement step. Vertices keep their numbers from frame to frame.
+#[derive(Debug, Clone)]
+pub struct Frame {
+    /// What was done last.
+    pub stage: &'static str,
+    /// What it made.
+    pub mesh: TetMesh,
 }
 
 /// A vertex as an affine combination of vertices with smaller numbers, by the topology of the split that made it (where
@@ -116,9 +127,15 @@ pub fn refine(mesh: &TetMesh, history: &History, selected: &[bool], options: &Op
         Scheme::Red => red::refine(mesh, selected)?,
         Scheme::LongestEdge => longest_edge::refine(mesh, selected)?,
     };
+    if options.frames {
+        refined.frames.push(Frame { stage: "splits", mesh: refined.mesh.clone() });
+    }
     if let Some(run) = options.optimise.quality_run() {
         let mut solid = Solid::new(&refined.mesh);
+        solid.watch(options.frames);
         improve::optimise_quality(&mut solid, 0, &run);
+        solid.note_stage("optimisation");
+        refined.frames.extend(solid.take_frames()?);
         refined.transfer.extend(solid.take_transfer());
         refined.info.worst_sine = solid.worst_sine_of_all();
         refined.mesh = solid.finish()?;

@@ -38,6 +38,22 @@ pub enum Mode {
     Best,
 }
 
+/// What the operations of [`Mode::Paper`] call a good cell (Burkhart, Hamann and Umlauf 2010, section 2.3). All grow with
+/// the quality.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum QualityMeasure {
+    /// The smallest sine of the dihedral angles: small for angles near 0 and near 180 degrees.
+    #[default]
+    MinSine,
+    /// The smallest dihedral angle.
+    MinDihedral,
+    /// The smallest solid angle.
+    MinSolidAngle,
+    /// The shortest over the longest edge; blind to flat cells with edges of like length.
+    EdgeRatio,
+}
+
 /// What optimisation in [`Mode::Best`] is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -58,6 +74,8 @@ pub struct Optimise {
     pub mode: Mode,
     /// What they are for (in [`Mode::Best`]; the paper's operations are for the angles).
     pub objective: Objective,
+    /// What a good cell is to the paper's operations (in [`Mode::Paper`]; the others have measures of their own).
+    pub measure: QualityMeasure,
     /// Passes at most.
     pub passes: usize,
     /// Dihedral angle in degrees up to which [`Objective::Quality`] improves a cell: those with no smaller sine than
@@ -93,7 +111,14 @@ impl Optimise {
 
 impl Default for Optimise {
     fn default() -> Self {
-        Self { mode: Mode::Paper, objective: Objective::Quality, passes: 3, target_angle: 32.0, valence_limit: 50 }
+        Self {
+            mode: Mode::Paper,
+            objective: Objective::Quality,
+            measure: QualityMeasure::MinSine,
+            passes: 3,
+            target_angle: 32.0,
+            valence_limit: 50,
+        }
     }
 }
 
@@ -106,10 +131,12 @@ pub struct Options {
     pub boundary: Boundary,
     /// How the refined mesh is optimised.
     pub optimise: Optimise,
+    /// Whether to keep the mesh after each stage of the step, in [`super::Refined::frames`].
+    pub frames: bool,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { scheme: Scheme::Sqrt3, boundary: Boundary::Fixed, optimise: Optimise::default() }
+        Self { scheme: Scheme::Sqrt3, boundary: Boundary::Fixed, optimise: Optimise::default(), frames: false }
     }
 }

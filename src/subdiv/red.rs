@@ -32,7 +32,7 @@ pub(super) fn refine(mesh: &TetMesh, selected: &[bool]) -> Result<Refined, MeshE
     let worst_sine = worst_sine(&points, &tets);
     let parts = TetMeshParts { points, tets, regions, levels, faces, creases, ..mesh.clone().into_parts() };
     let info = Info { asked: selected.len(), split: selected.len(), worst_sine, ..Info::default() };
-    Ok(Refined { mesh: TetMesh::new(parts)?, transfer, history: History::default(), info })
+    Ok(Refined { mesh: TetMesh::new(parts)?, transfer, history: History::default(), info, frames: Vec::new() })
 }
 
 /// Smallest minimum sine of the cells.

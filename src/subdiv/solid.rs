@@ -7,8 +7,10 @@ use super::Stencil;
 use crate::mesh::surface::interfaces;
 use crate::mesh::{Crease, Face, MeshError, PatchId, RegionId, TetMesh, TetMeshParts, quality, topology};
 mod compact;
+mod frames;
 mod journal;
 
+use frames::Stages;
 use glam::DVec3;
 use journal::{Change, Journal};
 use rustc_hash::FxHashMap;
@@ -53,6 +55,7 @@ pub(super) struct Solid {
     /// Vertices on a crease, and corners.
     pinned: Vec<bool>,
     journal: Journal,
+    stages: Stages,
     rest: TetMeshParts,
 }
 
@@ -87,6 +90,7 @@ impl Solid {
             creases: mesh.creases().iter().map(|c| (c.vertices, c.feature)).collect(),
             pinned: vec![false; count],
             journal: Journal::default(),
+            stages: Stages::default(),
             rest: TetMeshParts { points: Vec::new(), tets: Vec::new(), ..mesh.clone().into_parts() },
         };
         for (t, &tet) in mesh.tets().iter().enumerate() {
@@ -113,18 +117,24 @@ impl Solid {
     ///
     /// # Errors
     /// [`MeshError`] if the changes left an invalid mesh.
-    pub(super) fn finish(self) -> Result<TetMesh, MeshError> {
+    pub(super) fn finish(mut self) -> Result<TetMesh, MeshError> {
+        let (points, rest) = (std::mem::take(&mut self.points), std::mem::take(&mut self.rest));
+        TetMesh::new(self.parts(points, rest))
+    }
+
+    /// The mesh as it is, with these points and what never changes.
+    fn parts(&self, points: Vec<DVec3>, rest: TetMeshParts) -> TetMeshParts {
         let live: Vec<usize> = (0..self.tets.len()).filter(|&t| self.tets[t][0] != DEAD).collect();
         let boundary = |f: &&Face| f.vertices[0] != DEAD && f.patch != INTERFACE;
-        TetMesh::new(TetMeshParts {
+        TetMeshParts {
             tets: live.iter().map(|&t| self.tets[t]).collect(),
             regions: live.iter().map(|&t| self.tags[t].region).collect(),
             levels: live.iter().map(|&t| self.tags[t].level).collect(),
             faces: self.faces.iter().filter(boundary).copied().collect(),
             creases: self.creases.iter().map(|(&vertices, &feature)| Crease { vertices, feature }).collect(),
-            points: self.points,
-            ..self.rest
-        })
+            points,
+            ..rest
+        }
     }
 
     // ---- reading ----

@@ -5,7 +5,9 @@
 //! At the boundary the ring is open and the polygon is closed by the chord v_0 v_(n-1), which becomes the new boundary
 //! edge (Burkhart, Hamann and Umlauf 2010, Figure 6 and section 4).
 
+use super::super::options::QualityMeasure;
 use super::super::solid::{Ring, Solid};
+use super::measured;
 use crate::mesh::{Face, quality};
 use glam::DVec3;
 
@@ -19,6 +21,8 @@ pub(crate) type CellPrice<'a> = dyn Fn([u32; 4], [DVec3; 4]) -> Option<(f64, f64
 pub(crate) enum Measure<'a> {
     /// The worst sine is as large as possible, and above this.
     BestWorst(f64),
+    /// The worst value of another measure ([`measured::value`]) is as large as possible, and above this.
+    BestWorstBy(QualityMeasure, f64),
     /// The sum of a cost over the cells is as small as possible and below a bound, no sine below a floor.
     LeastSum {
         /// Cost of a cell.
@@ -50,7 +54,7 @@ impl Filling {
         }
         let star = Star { solid, edge, link };
         let (empty, bound) = match measure {
-            Measure::BestWorst(floor) => (f64::INFINITY, *floor),
+            Measure::BestWorst(floor) | Measure::BestWorstBy(_, floor) => (f64::INFINITY, *floor),
             Measure::LeastSum { below, .. } => (0.0, -below),
         };
         self.size = n;
@@ -102,7 +106,7 @@ impl Star<'_> {
         let [a, b] = self.edge;
         let [i, k, j] = corners.map(|c| self.link[c]);
         let mut value = match measure {
-            Measure::BestWorst(_) => sides.0.min(sides.1),
+            Measure::BestWorst(_) | Measure::BestWorstBy(..) => sides.0.min(sides.1),
             Measure::LeastSum { .. } => sides.0 + sides.1,
         };
         for tet in [[i, k, j, b], [i, j, k, a]] {
@@ -112,6 +116,7 @@ impl Star<'_> {
             let points = tet.map(|v| self.solid.point(v));
             match measure {
                 Measure::BestWorst(_) => value = value.min(quality::min_sine(points)),
+                Measure::BestWorstBy(measure, _) => value = value.min(measured::value(*measure, points)),
                 Measure::LeastSum { cost, floor, .. } => {
                     let (cost, sine) = cost(tet, points)?;
                     if sine < *floor {

@@ -6,6 +6,7 @@ pub(super) mod error;
 mod face_flip;
 mod freedom;
 mod mean;
+mod measured;
 mod multi_face;
 mod parallel;
 mod quality;
@@ -17,7 +18,7 @@ pub(super) use edge_removal::{Filling, Measure, flip_interface, remove_edge};
 pub(super) use face_flip::FaceFlip;
 pub(super) use quality::optimise_quality;
 
-use super::options::{Mode, Optimise};
+use super::options::{Mode, Optimise, QualityMeasure};
 use super::solid::{Ring, Solid};
 use crate::mesh::{quality::volume, topology};
 use freedom::Freedom;
@@ -27,6 +28,8 @@ use smooth::{GOOD, Smoother};
 pub(super) struct Improver {
     pub(super) filling: Filling,
     smoother: Smoother,
+    /// What a good cell is, for the paper's operations.
+    measure: QualityMeasure,
     /// Whether to work in parallel ([`quality::improve_interior`]), which gives other results.
     parallel: bool,
 }
@@ -35,20 +38,24 @@ impl Improver {
     /// Tools for a scheme's own stages; parallel ones where the quality optimiser comes after them anyway.
     pub(super) fn new(options: &Optimise) -> Self {
         let parallel = options.mode == Mode::Best;
-        Self { filling: Filling::default(), smoother: Smoother::default(), parallel }
+        let measure = if parallel { QualityMeasure::MinSine } else { options.measure };
+        Self { filling: Filling::default(), smoother: Smoother::default(), measure, parallel }
     }
 
     /// Passes of edge removal and smoothing over the cells changed since `since` (and, in later passes, since the pass
     /// before), until nothing improves or `passes` are done.
     pub(super) fn improve(&mut self, solid: &mut Solid, since: u32, passes: usize) {
         if self.parallel {
-            return quality::improve_interior(solid, since, passes, GOOD);
+            quality::improve_interior(solid, since, passes, GOOD);
+            return solid.note_stage("interior optimisation");
         }
         let mut since = since;
         for _ in 0..passes {
             let now = solid.tick();
             let removed = self.remove_edges(solid, since);
+            solid.note_stage("edge removals");
             let moved = self.smooth(solid, since);
+            solid.note_stage("smoothing");
             if removed + moved == 0 {
                 break;
             }
@@ -70,9 +77,13 @@ impl Improver {
         if !is_removable(solid, edge, &ring, 0.0) {
             return false;
         }
-        let worst = solid.worst_sine(&ring.cells);
         // An improvement too small to matter would only keep the later passes busy.
-        remove_edge(solid, edge, &ring, &Measure::BestWorst(worst.max(0.0) + 1e-3), &mut self.filling)
+        let above = |worst: f64| worst.max(0.0) + 1e-3;
+        let measure = match self.measure {
+            QualityMeasure::MinSine => Measure::BestWorst(above(solid.worst_sine(&ring.cells))),
+            other => Measure::BestWorstBy(other, above(measured::worst(solid, &ring.cells, other))),
+        };
+        remove_edge(solid, edge, &ring, &measure, &mut self.filling)
     }
 
     /// Smooths the interior vertices of changed cells; returns how many moved.
@@ -80,10 +91,14 @@ impl Improver {
         let mut vertices: Vec<u32> = solid.cells_since(since).flat_map(|t| solid.tet(t)).collect();
         vertices.sort_unstable();
         vertices.dedup();
-        vertices
-            .into_iter()
-            .filter(|&v| solid.is_interior(v) && self.smoother.smooth(solid, v, Freedom::Space, GOOD))
-            .count()
+        vertices.into_iter().filter(|&v| solid.is_interior(v) && self.smooth_vertex(solid, v)).count()
+    }
+
+    fn smooth_vertex(&mut self, solid: &mut Solid, v: u32) -> bool {
+        match self.measure {
+            QualityMeasure::MinSine => self.smoother.smooth(solid, v, Freedom::Space, GOOD),
+            other => measured::smooth(solid, v, other),
+        }
     }
 }
 

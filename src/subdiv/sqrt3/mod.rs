@@ -61,11 +61,14 @@ pub(super) fn refine(
     let selected = closure::close(mesh, history, selected, options.boundary);
     let old = OldMesh::new(mesh, history, &selected);
     let mut solid = Solid::new(mesh);
+    solid.watch(options.frames);
     let start = solid.tick();
     let mut improver = Improver::new(&options.optimise);
 
     split_cells(&mut solid, &selected);
+    solid.note_stage("1-4 splits");
     let mut faces = flip::flip_faces(&mut solid, &old);
+    solid.note_stage("2-3 flips");
     let (mut edges, centres) = match options.boundary {
         Boundary::Fixed => (surface::halve_edges(&mut solid, &old), Vec::new()),
         _ => surface::subdivide(&mut solid, &old, &mut improver.filling),
@@ -80,8 +83,12 @@ pub(super) fn refine(
     let now = solid.tick();
     flip::retry_faces(&mut solid, &mut faces);
     surface::retry_edges(&mut solid, &mut edges, &mut improver.filling);
+    solid.note_stage("flips that had to wait");
     match options.optimise.quality_run() {
-        Some(run) => optimise_quality(&mut solid, start, &run),
+        Some(run) => {
+            optimise_quality(&mut solid, start, &run);
+            solid.note_stage("optimisation");
+        }
         None => improver.improve(&mut solid, now, options.optimise.passes),
     }
 
@@ -99,8 +106,8 @@ pub(super) fn refine(
         pending: history.pending_faces.len() + history.pending_edges.len(),
         worst_sine: solid.worst_sine_of_all(),
     };
-    let transfer = solid.take_transfer();
-    Ok(Refined { mesh: solid.finish()?, transfer, history, info })
+    let (transfer, frames) = (solid.take_transfer(), solid.take_frames()?);
+    Ok(Refined { mesh: solid.finish()?, transfer, history, info, frames })
 }
 
 /// Passes of the paper's operations before boundary vertices move.

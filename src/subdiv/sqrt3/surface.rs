@@ -29,6 +29,7 @@ pub(super) fn halve_edges(solid: &mut Solid, old: &OldMesh) -> Flips<2> {
         let m = solid.add_vertex(Stencil::mean(&[a, b]));
         solid.divide_edge(a, b, &[m]);
     }
+    solid.note_stage("boundary bisections");
     Flips { done: 0, refused: Vec::new(), one_sided: Vec::new() }
 }
 
@@ -45,11 +46,15 @@ pub(super) fn subdivide(solid: &mut Solid, old: &OldMesh, filling: &mut Filling)
             centres.extend(split_face(solid, face.vertices).map(|m| (m, i)));
         }
     }
+    solid.note_stage("boundary 1-3 splits");
     for &[a, b] in &old.listed {
         let inner = [1.0 / 3.0, 2.0 / 3.0].map(|share| solid.add_vertex(Stencil::between(a, b, share)));
         solid.divide_edge(a, b, &inner);
     }
-    (flip_edges(solid, old, filling), centres)
+    solid.note_stage("crease trisections");
+    let flips = flip_edges(solid, old, filling);
+    solid.note_stage("boundary flips");
+    (flips, centres)
 }
 
 /// 1-3 split of a surface face and the cells at it at the barycentre of the face, the new vertex.
@@ -140,6 +145,7 @@ pub(super) fn smooth(solid: &mut Solid, mut targets: Targets, improver: &mut Imp
         }
         let now = solid.tick();
         targets.retain(|&(v, target)| !move_towards(solid, v, target, floor));
+        solid.note_stage("boundary smoothing");
         improver.improve(solid, now, passes);
     }
     targets.len()

@@ -1,0 +1,63 @@
+//! The elementary stages of refinement steps as VTK files, to be watched in ParaView.
+
+use super::OutputError;
+use super::atomic::ensure_writable_dir;
+use super::options::Compression;
+use super::pvd::write_pvd;
+use super::vtk::{Fields, Values, write_vtu};
+use crate::mesh::TetMesh;
+use glam::DVec3;
+use std::path::{Path, PathBuf};
+
+/// Writes one file a frame, and `frames.pvd` with all of them.
+#[derive(Debug)]
+pub struct FrameWriter {
+    folder: PathBuf,
+    files: Vec<(f64, String)>,
+    /// Cells of the last frame, each with its vertices sorted, sorted.
+    cells: Vec<[u32; 4]>,
+    points: Vec<DVec3>,
+}
+
+impl FrameWriter {
+    /// A writer for a folder, which is made if it is missing. Files in it stay but for those of the same names.
+    ///
+    /// # Errors
+    /// [`OutputError::Write`] if no files can be made there.
+    pub fn new(folder: &Path) -> Result<Self, OutputError> {
+        ensure_writable_dir(folder)?;
+        Ok(Self { folder: folder.to_owned(), files: Vec::new(), cells: Vec::new(), points: Vec::new() })
+    }
+
+    /// Writes the next frame as `frame_NNN_<name>.vtu`. Beside what [`write_vtu`] makes of a mesh it has the cell data `new`
+    /// (no cell of the frame before has these vertices) and the point data `moved` (the vertex was there, at another place).
+    /// Vertices must keep their numbers from frame to frame.
+    ///
+    /// # Errors
+    /// [`OutputError::Write`] names the file.
+    pub fn write(&mut self, name: &str, mesh: &TetMesh) -> Result<(), OutputError> {
+        let keys: Vec<[u32; 4]> = mesh.tets().iter().map(|tet| sorted(*tet)).collect();
+        let first = self.files.is_empty();
+        let new: Vec<bool> = keys.iter().map(|key| !first && self.cells.binary_search(key).is_err()).collect();
+        let moved: Vec<bool> =
+            mesh.points().iter().enumerate().map(|(v, p)| self.points.get(v).is_some_and(|old| old != p)).collect();
+        let fields = Fields {
+            time: self.files.len() as f64,
+            points: vec![("moved", Values::Flags(&moved))],
+            cells: vec![("new", Values::Flags(&new))],
+        };
+        let words: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+        let file = format!("frame_{:03}_{words}.vtu", self.files.len());
+        write_vtu(&self.folder.join(&file), mesh, &fields, Compression::default())?;
+        self.files.push((fields.time, file));
+        self.cells = keys;
+        self.cells.sort_unstable();
+        self.points = mesh.points().to_vec();
+        write_pvd(&self.folder.join("frames.pvd"), &self.files)
+    }
+}
+
+fn sorted(mut tet: [u32; 4]) -> [u32; 4] {
+    tet.sort_unstable();
+    tet
+}
