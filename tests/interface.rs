@@ -18,7 +18,7 @@ const BOUNDARIES: [Boundary; 3] = [Boundary::Fixed, Boundary::Approximating, Bou
 
 fn options(boundary: Boundary, mode: Mode) -> Options {
     let optimise = Optimise { mode, ..Optimise::default() };
-    Options { scheme: Scheme::Sqrt3, boundary, optimise }
+    Options { scheme: Scheme::Sqrt3, boundary, optimise, ..Options::default() }
 }
 
 /// A mesh with what the next step has to know.
