@@ -10,6 +10,7 @@ mod journal;
 use glam::DVec3;
 use journal::{Change, Journal};
 use rustc_hash::FxHashMap;
+use smallvec::SmallVec;
 
 /// Marks a free slot.
 const DEAD: u32 = u32::MAX;
@@ -58,9 +59,9 @@ pub(super) struct Solid {
 #[derive(Debug, Default, Clone)]
 pub(super) struct Ring {
     /// Link vertices, counter-clockwise seen from the second end of the edge towards the first.
-    pub vertices: Vec<u32>,
+    pub vertices: SmallVec<[u32; 12]>,
     /// Cell i holds link vertices i and i + 1 (cyclic if closed).
-    pub cells: Vec<u32>,
+    pub cells: SmallVec<[u32; 12]>,
     /// False for an edge of the boundary, whose ring starts and ends with a boundary face.
     pub closed: bool,
 }
@@ -164,6 +165,11 @@ impl Solid {
         self.live_cells().filter(move |&t| self.stamps[t as usize] >= time)
     }
 
+    /// True if the cell was made or reshaped at or after `time`.
+    pub(super) fn is_changed(&self, t: u32, time: u32) -> bool {
+        self.stamps[t as usize] >= time
+    }
+
     /// Starts a new period of the clock that stamps changed cells, and returns it.
     pub(super) fn tick(&mut self) -> u32 {
         self.clock += 1;
@@ -229,26 +235,23 @@ impl Solid {
 
     /// True if the two vertices are joined by an edge.
     pub(super) fn has_edge(&self, a: u32, b: u32) -> bool {
-        self.cells_at(a).iter().any(|&t| self.tet(t).contains(&b))
+        self.cells_at(a).iter().any(|&t| has_vertex(self.tet(t), b))
     }
 
     /// The cells (one or two) that hold the three vertices.
-    pub(super) fn cells_at_face(&self, [a, b, c]: [u32; 3]) -> Vec<u32> {
-        let has = |t: &&u32| {
-            let tet = self.tet(**t);
-            tet.contains(&b) && tet.contains(&c)
-        };
-        self.cells_at(a).iter().filter(has).copied().collect()
+    pub(super) fn cells_at_face(&self, face: [u32; 3]) -> SmallVec<[u32; 2]> {
+        let has = |t: &&u32| face.iter().all(|&v| has_vertex(self.tet(**t), v));
+        self.cells_at(face[0]).iter().filter(has).copied().collect()
     }
 
     /// The ring of edge (a, b); `None` if the edge does not exist or its cells are not one fan.
     pub(super) fn ring(&self, a: u32, b: u32) -> Option<Ring> {
         // The shorter list is searched; arcs (c, d, cell) with (a, b, c, d) positive.
         let (start, other) = if self.cells_at(a).len() <= self.cells_at(b).len() { (a, b) } else { (b, a) };
-        let mut arcs: smallvec::SmallVec<[(u32, u32, u32); 32]> = smallvec::SmallVec::new();
+        let mut arcs: SmallVec<[(u32, u32, u32); 12]> = SmallVec::new();
         for &t in self.cells_at(start) {
             let tet = self.tet(t);
-            if !tet.contains(&other) {
+            if !has_vertex(tet, other) {
                 continue;
             }
             let (i, j) = (index_of(tet, a), index_of(tet, b));
@@ -386,7 +389,7 @@ impl Solid {
     }
 
     /// Minimum sines of the cells at `v`, in the order of [`Solid::cells_at`], if it were at `p`.
-    pub(super) fn sines_with(&self, v: u32, p: DVec3) -> smallvec::SmallVec<[f64; 32]> {
+    pub(super) fn sines_with(&self, v: u32, p: DVec3) -> SmallVec<[f64; 32]> {
         let corner = |w| if w == v { p } else { self.point(w) };
         self.cells_at(v).iter().map(|&t| quality::min_sine(self.tet(t).map(corner))).collect()
     }
@@ -452,7 +455,7 @@ fn chain(arcs: &mut [(u32, u32, u32)]) -> Option<Ring> {
         arcs.swap(i, next);
     }
     let closed = first.is_none();
-    let mut vertices: Vec<u32> = arcs.iter().map(|a| a.0).collect();
+    let mut vertices: SmallVec<[u32; 12]> = arcs.iter().map(|a| a.0).collect();
     let last = arcs[arcs.len() - 1].1;
     if !closed {
         vertices.push(last);
@@ -473,6 +476,11 @@ fn replace<const N: usize>(simplex: [u32; N], from: [u32; 2], to: [u32; 2]) -> [
             v
         }
     })
+}
+
+/// True if `v` is a corner of `tet`, without a branch a corner.
+fn has_vertex(tet: [u32; 4], v: u32) -> bool {
+    (tet[0] == v) | (tet[1] == v) | (tet[2] == v) | (tet[3] == v)
 }
 
 /// Which corner of `tet` vertex `v` is; `v` is one of them.

@@ -19,9 +19,17 @@ pub(super) use quality::optimise_quality;
 
 use super::options::Optimise;
 use super::solid::{Ring, Solid};
-use crate::mesh::{quality::volume, topology};
+use crate::mesh::quality::volume;
+use edge_removal::can_remove;
 use freedom::Freedom;
+use parallel::{edges_where, in_blocks, vertices_where};
+use rustc_hash::FxHashSet;
+use smallvec::SmallVec;
 use smooth::{GOOD, Smoother};
+
+/// Edges and vertices of which proposals are made at a time: many for the threads' sake, few so that they stay true.
+const EDGE_BLOCK: usize = 4096;
+const VERTEX_BLOCK: usize = 512;
 
 /// Tools with their work space.
 pub(super) struct Improver {
@@ -55,35 +63,72 @@ impl Improver {
         }
     }
 
-    /// Removes each edge whose removal improves the worst cell of its ring; returns how many.
+    /// Removes, in their order, the edges whose removal improves the worst cell of the ring; returns how many.
     fn remove_edges(&mut self, solid: &mut Solid, since: u32) -> usize {
-        let mut edges: Vec<[u32; 2]> =
-            solid.cells_since(since).flat_map(|t| topology::tet_edges(solid.tet(t))).collect();
-        edges.sort_unstable();
-        edges.dedup();
-        edges.into_iter().filter(|&e| self.improve_edge(solid, e)).count()
+        let edges = edges_where(solid, |t| solid.is_changed(t, since));
+        let mut removed = 0;
+        let promising = |filling: &mut Filling, solid: &Solid, edge: [u32; 2]| {
+            solid.ring(edge[0], edge[1]).is_some_and(|ring| {
+                is_removable(solid, edge, &ring, 0.0)
+                    // Whether a boundary edge can go depends on more than its ring.
+                    && (!ring.closed || can_remove(solid, edge, &ring, &improvement(solid, &ring), filling))
+            })
+        };
+        in_blocks(solid, &edges, EDGE_BLOCK, promising, |solid, block| {
+            // Edges whose rings are other than the proposals saw.
+            let mut changed = FxHashSet::default();
+            for (edge, promising) in block {
+                if promising || changed.contains(&edge) {
+                    if let Some(ring) = self.improve_edge(solid, edge) {
+                        changed.extend(pairs(edge, &ring));
+                        removed += 1;
+                    }
+                }
+            }
+        });
+        removed
     }
 
-    fn improve_edge(&mut self, solid: &mut Solid, edge: [u32; 2]) -> bool {
-        let Some(ring) = solid.ring(edge[0], edge[1]) else { return false };
-        if !is_removable(solid, edge, &ring, 0.0) {
-            return false;
-        }
-        let worst = solid.worst_sine(&ring.cells);
-        // An improvement too small to matter would only keep the later passes busy.
-        remove_edge(solid, edge, &ring, &Measure::BestWorst(worst.max(0.0) + 1e-3), &mut self.filling)
+    /// Removes the edge if that improves the worst cell of its ring, which it gives then.
+    fn improve_edge(&mut self, solid: &mut Solid, edge: [u32; 2]) -> Option<Ring> {
+        let ring = solid.ring(edge[0], edge[1]).filter(|ring| is_removable(solid, edge, ring, 0.0))?;
+        remove_edge(solid, edge, &ring, &improvement(solid, &ring), &mut self.filling).then_some(ring)
     }
 
-    /// Smooths the interior vertices of changed cells; returns how many moved.
+    /// Smooths, in their order, the interior vertices of changed cells; returns how many moved.
     fn smooth(&mut self, solid: &mut Solid, since: u32) -> usize {
-        let mut vertices: Vec<u32> = solid.cells_since(since).flat_map(|t| solid.tet(t)).collect();
-        vertices.sort_unstable();
-        vertices.dedup();
-        vertices
-            .into_iter()
-            .filter(|&v| solid.is_interior(v) && self.smoother.smooth(solid, v, Freedom::Space, GOOD))
-            .count()
+        let mut vertices = vertices_where(solid, |t| solid.is_changed(t, since));
+        vertices.retain(|&v| solid.is_interior(v));
+        let better = |smoother: &mut Smoother, solid: &Solid, v| {
+            smoother.better(solid, v, Freedom::Space, GOOD).map(|p| (p, solid.sines_with(v, p)))
+        };
+        let mut moved = 0;
+        in_blocks(solid, &vertices, VERTEX_BLOCK, better, |solid, block| {
+            // Vertices whose cells are other than the proposals saw.
+            let mut changed = FxHashSet::default();
+            for (v, proposal) in block {
+                let proposal = if changed.contains(&v) { better(&mut self.smoother, solid, v) } else { proposal };
+                if let Some((p, sines)) = proposal {
+                    solid.move_point_to(v, p, &sines);
+                    changed.extend(solid.cells_at(v).iter().flat_map(|&t| solid.tet(t)));
+                    moved += 1;
+                }
+            }
+        });
+        moved
     }
+}
+
+/// What the paper's edge removal has to reach: an improvement too small to matter would only keep the later passes busy.
+fn improvement(solid: &Solid, ring: &Ring) -> Measure<'static> {
+    Measure::BestWorst(solid.worst_sine(&ring.cells).max(0.0) + 1e-3)
+}
+
+/// All pairs of the vertices of an edge and its link.
+fn pairs(edge: [u32; 2], ring: &Ring) -> impl Iterator<Item = [u32; 2]> {
+    let vertices: SmallVec<[u32; 16]> = edge.into_iter().chain(ring.vertices.iter().copied()).collect();
+    let pair = |i: usize| [vertices[i / vertices.len()], vertices[i % vertices.len()]];
+    (0..vertices.len() * vertices.len()).map(pair).filter(|[v, w]| v < w).collect::<SmallVec<[_; 64]>>().into_iter()
 }
 
 /// The other corners of a cell in an order that makes (v, rest) an even reordering.
