@@ -15,6 +15,9 @@ use smallvec::SmallVec;
 /// Marks a free slot.
 const DEAD: u32 = u32::MAX;
 
+/// Edges with more cells than this have no [`Ring`]: what is done with rings is cubic in their length.
+const LONGEST_RING: usize = 32;
+
 /// The patch number of faces between two regions, which belong to the surface but not to the boundary.
 const INTERFACE: PatchId = PatchId(u32::MAX);
 
@@ -244,20 +247,28 @@ impl Solid {
         self.cells_at(face[0]).iter().filter(has).copied().collect()
     }
 
-    /// The ring of edge (a, b); `None` if the edge does not exist or its cells are not one fan.
+    /// The ring of edge (a, b); `None` if the edge does not exist, its cells are not one fan, or more than
+    /// [`LONGEST_RING`].
     pub(super) fn ring(&self, a: u32, b: u32) -> Option<Ring> {
-        // The shorter list is searched; arcs (c, d, cell) with (a, b, c, d) positive.
-        let (start, other) = if self.cells_at(a).len() <= self.cells_at(b).len() { (a, b) } else { (b, a) };
-        let mut arcs: SmallVec<[(u32, u32, u32); 12]> = SmallVec::new();
-        for &t in self.cells_at(start) {
-            let tet = self.tet(t);
-            if !has_vertex(tet, other) {
-                continue;
-            }
-            let (i, j) = (index_of(tet, a), index_of(tet, b));
-            let [k, l] = POSITIVE_REST[i][j];
-            arcs.push((tet[k], tet[l], t));
+        // The shorter list is searched. Which cells are at the edge is as good as random: no branches on it.
+        let (list, other) =
+            if self.cells_at(a).len() <= self.cells_at(b).len() { (self.cells_at(a), b) } else { (self.cells_at(b), a) };
+        let mut cells = [0; LONGEST_RING + 1];
+        let mut count = 0;
+        for &t in list {
+            cells[count.min(LONGEST_RING)] = t;
+            count += usize::from(has_vertex(self.tet(t), other));
         }
+        if count > LONGEST_RING {
+            return None;
+        }
+        // Arcs (c, d, cell) with (a, b, c, d) positive.
+        let arc = |&t: &u32| {
+            let tet = self.tet(t);
+            let [k, l] = POSITIVE_REST[index_of(tet, a)][index_of(tet, b)];
+            (tet[k], tet[l], t)
+        };
+        let mut arcs: SmallVec<[(u32, u32, u32); 12]> = cells[..count].iter().map(arc).collect();
         chain(&mut arcs)
     }
 
@@ -448,18 +459,25 @@ fn interfaces(mesh: &TetMesh) -> Vec<[u32; 3]> {
 
 /// Orders arcs (from, to, cell) into one fan or cycle.
 fn chain(arcs: &mut [(u32, u32, u32)]) -> Option<Ring> {
-    let first = (0..arcs.len()).find(|&i| arcs.iter().all(|a| a.1 != arcs[i].0));
-    arcs.swap(0, first.unwrap_or(0).min(arcs.len().checked_sub(1)?));
-    for i in 1..arcs.len() {
-        let next = (i..arcs.len()).find(|&j| arcs[j].0 == arcs[i - 1].1)?;
-        arcs.swap(i, next);
-    }
-    let closed = first.is_none();
-    let mut vertices: SmallVec<[u32; 12]> = arcs.iter().map(|a| a.0).collect();
-    let last = arcs[arcs.len() - 1].1;
+    // In a cycle every vertex is met twice.
+    let closed = arcs.iter().fold(0, |x, arc| x ^ arc.0 ^ arc.1) == 0;
     if !closed {
-        vertices.push(last);
-    } else if last != arcs[0].0 {
+        let first = (0..arcs.len()).find(|&i| arcs.iter().all(|a| a.1 != arcs[i].0))?;
+        arcs.swap(0, first);
+    }
+    let mut end = arcs.first()?.1;
+    for i in 1..arcs.len() {
+        let next = (i..arcs.len()).fold(usize::MAX, |next, j| if arcs[j].0 == end { j } else { next });
+        if next == usize::MAX {
+            return None;
+        }
+        arcs.swap(i, next);
+        end = arcs[i].1;
+    }
+    let mut vertices: SmallVec<[u32; 12]> = arcs.iter().map(|a| a.0).collect();
+    if !closed {
+        vertices.push(end);
+    } else if end != arcs[0].0 {
         return None;
     }
     Some(Ring { vertices, cells: arcs.iter().map(|a| a.2).collect(), closed })
@@ -485,7 +503,7 @@ fn has_vertex(tet: [u32; 4], v: u32) -> bool {
 
 /// Which corner of `tet` vertex `v` is; `v` is one of them.
 fn index_of(tet: [u32; 4], v: u32) -> usize {
-    tet.iter().position(|&w| w == v).unwrap_or(0)
+    usize::from(tet[1] == v) + 2 * usize::from(tet[2] == v) + 3 * usize::from(tet[3] == v)
 }
 
 /// Removes one value from an unordered list.

@@ -9,9 +9,6 @@ use super::super::solid::{Ring, Solid};
 use crate::mesh::{Face, quality};
 use glam::DVec3;
 
-/// Rings longer than this are left alone: the dynamic program is cubic.
-const LONGEST_RING: usize = 32;
-
 /// Cost and minimum sine of a cell of these vertices and positions; `None` if it is not positive.
 pub(crate) type CellPrice<'a> = dyn Fn([u32; 4], [DVec3; 4]) -> Option<(f64, f64)> + 'a;
 
@@ -45,7 +42,7 @@ impl Filling {
     /// Values are to be made large: the worst sine of a polygon's cells, or minus the sum of their costs.
     fn solve(&mut self, solid: &Solid, edge: [u32; 2], link: &[u32], measure: &Measure<'_>) -> bool {
         let n = link.len();
-        if !(3..=LONGEST_RING).contains(&n) {
+        if n < 3 {
             return false;
         }
         let star = Star { solid, edge, link };
