@@ -4,6 +4,7 @@
 mod edge_removal;
 pub(super) mod error;
 mod face_flip;
+mod fan;
 mod freedom;
 mod mean;
 mod multi_face;

@@ -150,7 +150,9 @@ impl Quality {
     /// Smooths the vertices of changed cells for the mean.
     fn raise_means(&self, solid: &mut Solid, since: u32) {
         let vertices = vertices_where(solid, |t| solid.is_changed(t, since));
-        self.sweep(solid, vertices, |_, solid, v, freedom| mean::better(solid, v, freedom, self.mean_floor));
+        self.sweep(solid, vertices, |smoother, solid, v, freedom| {
+            mean::better(&mut smoother.fan, solid, v, freedom, self.mean_floor)
+        });
     }
 
     /// Moves vertices to where `propose` says.

@@ -6,6 +6,7 @@
 //! there are sines near the smallest. The step length t adapts to how well the linear model predicts.
 
 use super::super::solid::Solid;
+use super::fan::Fan;
 use super::freedom::Freedom;
 use glam::DVec3;
 
@@ -31,6 +32,7 @@ pub(crate) struct Smoother {
     pieces: Vec<Piece>,
     weights: Vec<f64>,
     neighbours: Vec<u32>,
+    pub(super) fan: Fan,
 }
 
 impl Default for Smoother {
@@ -42,7 +44,7 @@ impl Default for Smoother {
 impl Smoother {
     /// A smoother that takes at most so many bundle steps a vertex.
     pub(crate) fn with_steps(steps: usize) -> Self {
-        Self { steps, pieces: Vec::new(), weights: Vec::new(), neighbours: Vec::new() }
+        Self { steps, pieces: Vec::new(), weights: Vec::new(), neighbours: Vec::new(), fan: Fan::default() }
     }
 
     /// Moves a vertex within its freedom if its worst cell is not better than `good` and that improves it; returns
@@ -63,11 +65,12 @@ impl Smoother {
             return None;
         }
         let (mut p, mut worst) = (start, old);
+        self.fan.gather(solid, v);
         let mean = match freedom {
             Freedom::Space => self.neighbour_mean(solid, v),
             _ => start + freedom.project(self.neighbour_mean(solid, v) - start),
         };
-        let laplacian = solid.worst_sine_with(v, mean, worst);
+        let laplacian = self.fan.worst_sine(mean, worst);
         if laplacian > worst {
             (p, worst) = (mean, laplacian);
         }
@@ -103,7 +106,7 @@ impl Smoother {
             }
             let needed = worst + 0.1 * (predicted - worst);
             let q = p + d;
-            let actual = solid.worst_sine_with(v, q, needed);
+            let actual = self.fan.worst_sine(q, needed);
             if actual > needed {
                 (p, worst) = (q, actual);
                 t *= 2.0;
@@ -169,12 +172,6 @@ impl Smoother {
         let predicted = self.pieces.iter().map(|c| c.sine + t * c.gradient.dot(sum)).fold(f64::INFINITY, f64::min);
         (t * sum, predicted)
     }
-}
-
-/// The smallest of the sines of the positive cell (x, rest).
-pub(super) fn least_piece(x: DVec3, rest: [DVec3; 3]) -> Piece {
-    let pieces = sines_with_gradients(x, rest);
-    pieces.into_iter().fold(pieces[0], |least, piece| if piece.sine < least.sine { piece } else { least })
 }
 
 /// The six dihedral sines of the positive cell (x, p, q, r) and their gradients with respect to x.
