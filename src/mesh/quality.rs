@@ -41,13 +41,20 @@ pub fn dihedral_sines(p: [DVec3; 4]) -> [f64; 6] {
 /// The smallest signed sine of the dihedral angles: the quality measure of Burkhart, Hamann and Umlauf 2010, section
 /// 2.3. Positive exactly for positively oriented cells; 0.943 for the regular tetrahedron.
 #[must_use]
-pub fn min_sine([a, b, c, d]: [DVec3; 4]) -> f64 {
+pub fn min_sine(p: [DVec3; 4]) -> f64 {
+    let sine = positive_min_sine(p);
+    // Inverted: the most negative sine belongs to the largest ratio.
+    if sine > 0.0 { sine } else { dihedral_sines(p).into_iter().fold(f64::INFINITY, f64::min) }
+}
+
+/// [`min_sine`] of a positive cell, quickly; zero for others.
+#[must_use]
+pub fn positive_min_sine([a, b, c, d]: [DVec3; 4]) -> f64 {
     let (ab, ac, ad, bc, bd, cd) = (b - a, c - a, d - a, c - b, d - b, d - c);
     let opposite_d = ab.cross(ac);
     let six_volumes = opposite_d.dot(ad);
     if six_volumes <= 0.0 {
-        // Inverted: the most negative sine belongs to the largest ratio.
-        return dihedral_sines([a, b, c, d]).into_iter().fold(f64::INFINITY, f64::min);
+        return 0.0;
     }
     let [na, nb, nc, nd] = [bc.cross(bd), ac.cross(ad), ab.cross(ad), opposite_d].map(DVec3::length_squared);
     // |e|^2 / (n_k n_l) with both sides of the fraction multiplied by the two other n: one comparison an edge, no division.

@@ -426,12 +426,13 @@ impl Solid {
         }
     }
 
-    /// Smallest minimum sine of the cells at `v` if it were at `p`; stops early below `enough`.
+    /// Smallest minimum sine of the cells at `v` if it were at `p`; stops early below `enough`. Of cells that are not
+    /// positive it says zero.
     pub(super) fn worst_sine_with(&self, v: u32, p: DVec3, enough: f64) -> f64 {
         let mut worst = f64::INFINITY;
         for &t in self.cells_at(v) {
             let corners = self.tet(t).map(|w| if w == v { p } else { self.point(w) });
-            worst = worst.min(quality::min_sine(corners));
+            worst = worst.min(quality::positive_min_sine(corners));
             if worst < enough {
                 break;
             }
@@ -502,7 +503,7 @@ fn has_vertex(tet: [u32; 4], v: u32) -> bool {
 }
 
 /// Which corner of `tet` vertex `v` is; `v` is one of them.
-fn index_of(tet: [u32; 4], v: u32) -> usize {
+pub(super) fn index_of(tet: [u32; 4], v: u32) -> usize {
     usize::from(tet[1] == v) + 2 * usize::from(tet[2] == v) + 3 * usize::from(tet[3] == v)
 }
 

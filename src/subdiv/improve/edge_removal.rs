@@ -108,7 +108,7 @@ impl Star<'_> {
             }
             let points = tet.map(|v| self.solid.point(v));
             match measure {
-                Measure::BestWorst(_) => value = value.min(quality::min_sine(points)),
+                Measure::BestWorst(_) => value = value.min(quality::positive_min_sine(points)),
                 Measure::LeastSum { cost, floor, .. } => {
                     let (cost, sine) = cost(tet, points)?;
                     if sine < *floor {

@@ -30,7 +30,7 @@ impl FaceFlip {
 
     /// Smallest minimum sine of the cells that come.
     pub(crate) fn worst_sine(&self, solid: &Solid) -> f64 {
-        let sine = |child: &[u32; 4]| quality::min_sine(child.map(|v| solid.point(v)));
+        let sine = |child: &[u32; 4]| quality::positive_min_sine(child.map(|v| solid.point(v)));
         self.children.iter().map(sine).fold(f64::INFINITY, f64::min)
     }
 

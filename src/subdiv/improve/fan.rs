@@ -7,6 +7,7 @@ use super::super::solid::Solid;
 use super::rest_of;
 use glam::DVec3;
 use pulp::Arch;
+use smallvec::SmallVec;
 
 /// Cells evaluated at a time.
 const LANES: usize = 4;
@@ -49,6 +50,14 @@ impl Fan {
             }
             self.blocks.push(block);
         }
+    }
+
+    /// Minimum sines of the cells, in the order of [`Solid::cells_at`], with the vertex at `x`.
+    pub(super) fn sines(&self, x: DVec3) -> SmallVec<[f64; 32]> {
+        let mut sines = SmallVec::new();
+        self.arch.dispatch(|| self.blocks.iter().for_each(|block| sines.extend_from_slice(&block.sines(x))));
+        sines.truncate(self.cells);
+        sines
     }
 
     /// Smallest minimum sine of the cells with the vertex at `x`; stops early below `enough`.

@@ -19,8 +19,8 @@ pub(super) use face_flip::FaceFlip;
 pub(super) use quality::optimise_quality;
 
 use super::options::Optimise;
-use super::solid::{Ring, Solid};
-use crate::mesh::quality::volume;
+use super::solid::{Ring, Solid, index_of};
+use crate::mesh::quality as shape;
 use edge_removal::can_remove;
 use freedom::Freedom;
 use parallel::{edges_where, in_blocks, vertices_where};
@@ -134,12 +134,8 @@ fn pairs(edge: [u32; 2], ring: &Ring) -> impl Iterator<Item = [u32; 2]> {
 
 /// The other corners of a cell in an order that makes (v, rest) an even reordering.
 fn rest_of(tet: [u32; 4], v: u32) -> [u32; 3] {
-    match tet.iter().position(|&w| w == v) {
-        Some(0) => [tet[1], tet[2], tet[3]],
-        Some(1) => [tet[0], tet[3], tet[2]],
-        Some(2) => [tet[0], tet[1], tet[3]],
-        _ => [tet[0], tet[2], tet[1]],
-    }
+    // Outward at the back is positive at the front.
+    shape::FACES[index_of(tet, v)].map(|k| tet[k])
 }
 
 /// True if the edge may go without changing the solid. `rounding` is the distance by which rounding may have moved
@@ -165,7 +161,7 @@ fn is_flat(solid: &Solid, edge: [u32; 2], ring: &Ring, rounding: f64) -> bool {
     let [a, b] = edge.map(|v| solid.point(v));
     let [c, d] = [ring.vertices[0], ring.vertices[ring.vertices.len() - 1]].map(|v| solid.point(v));
     let longest = [b - a, c - a, d - a, c - b, d - b, d - c].iter().map(|e| e.length_squared()).fold(0.0, f64::max);
-    if volume([a, b, c, d]).abs() > (1e-14 * longest.sqrt() + rounding) * longest {
+    if shape::volume([a, b, c, d]).abs() > (1e-14 * longest.sqrt() + rounding) * longest {
         return false;
     }
     let normal = (c - a).cross(b - a);

@@ -1,6 +1,7 @@
 //! Evaluating in parallel, changing in a fixed order: results do not depend on the number of threads.
 
 use super::super::solid::Solid;
+use super::fan::Fan;
 use super::freedom::Freedom;
 use crate::mesh::topology;
 use glam::DVec3;
@@ -115,11 +116,12 @@ pub(super) fn sweep<W>(
     let mut moved = 0;
     for class in independent_classes(solid, movable) {
         let mesh = &*solid;
-        let new = |work: &mut W, v: u32| {
+        let new = |(work, fan): &mut (W, Fan), v: u32| {
             let p = propose(work, mesh, v, freedoms[v as usize])?;
-            Some((v, p, mesh.sines_with(v, p)))
+            fan.gather(mesh, v);
+            Some((v, p, fan.sines(p)))
         };
-        let moves = class.into_par_iter().with_min_len(64).map_init(&space, new);
+        let moves = class.into_par_iter().with_min_len(64).map_init(|| (space(), Fan::default()), new);
         for (v, p, sines) in moves.collect::<Vec<_>>().into_iter().flatten() {
             solid.move_point_to(v, p, &sines);
             moved += 1;
