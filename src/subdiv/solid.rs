@@ -6,28 +6,19 @@
 use super::Stencil;
 use crate::mesh::{Crease, Face, MeshError, PatchId, RegionId, TetMesh, TetMeshParts, quality, topology};
 mod journal;
+mod ring;
 
 use glam::DVec3;
 use journal::{Change, Journal};
+pub(super) use ring::{Ring, rest_of};
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
 /// Marks a free slot.
 const DEAD: u32 = u32::MAX;
 
-/// Edges with more cells than this have no [`Ring`]: what is done with rings is cubic in their length.
-const LONGEST_RING: usize = 32;
-
 /// The patch number of faces between two regions, which belong to the surface but not to the boundary.
 const INTERFACE: PatchId = PatchId(u32::MAX);
-
-/// For a positive tetrahedron and two of its corners i, j: the corners k, l such that (i, j, k, l) is positive too.
-const POSITIVE_REST: [[[usize; 2]; 4]; 4] = [
-    [[0, 0], [2, 3], [3, 1], [1, 2]],
-    [[3, 2], [0, 0], [0, 3], [2, 0]],
-    [[1, 3], [3, 0], [0, 0], [0, 1]],
-    [[2, 1], [0, 2], [1, 0], [0, 0]],
-];
 
 /// What a cell hands on to the cells that take its place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,17 +47,6 @@ pub(super) struct Solid {
     pinned: Vec<bool>,
     journal: Journal,
     rest: TetMeshParts,
-}
-
-/// The cells around an edge in order, and the vertices of its link.
-#[derive(Debug, Default, Clone)]
-pub(super) struct Ring {
-    /// Link vertices, counter-clockwise seen from the second end of the edge towards the first.
-    pub vertices: SmallVec<[u32; 12]>,
-    /// Cell i holds link vertices i and i + 1 (cyclic if closed).
-    pub cells: SmallVec<[u32; 12]>,
-    /// False for an edge of the boundary, whose ring starts and ends with a boundary face.
-    pub closed: bool,
 }
 
 impl Solid {
@@ -245,31 +225,6 @@ impl Solid {
     pub(super) fn cells_at_face(&self, face: [u32; 3]) -> SmallVec<[u32; 2]> {
         let has = |t: &&u32| face.iter().all(|&v| has_vertex(self.tet(**t), v));
         self.cells_at(face[0]).iter().filter(has).copied().collect()
-    }
-
-    /// The ring of edge (a, b); `None` if the edge does not exist, its cells are not one fan, or more than
-    /// [`LONGEST_RING`].
-    pub(super) fn ring(&self, a: u32, b: u32) -> Option<Ring> {
-        // The shorter list is searched. Which cells are at the edge is as good as random: no branches on it.
-        let (list, other) =
-            if self.cells_at(a).len() <= self.cells_at(b).len() { (self.cells_at(a), b) } else { (self.cells_at(b), a) };
-        let mut cells = [0; LONGEST_RING + 1];
-        let mut count = 0;
-        for &t in list {
-            cells[count.min(LONGEST_RING)] = t;
-            count += usize::from(has_vertex(self.tet(t), other));
-        }
-        if count > LONGEST_RING {
-            return None;
-        }
-        // Arcs (c, d, cell) with (a, b, c, d) positive.
-        let arc = |&t: &u32| {
-            let tet = self.tet(t);
-            let [k, l] = POSITIVE_REST[index_of(tet, a)][index_of(tet, b)];
-            (tet[k], tet[l], t)
-        };
-        let mut arcs: SmallVec<[(u32, u32, u32); 12]> = cells[..count].iter().map(arc).collect();
-        chain(&mut arcs)
     }
 
     /// Positions of cell `t`.
@@ -458,32 +413,6 @@ fn interfaces(mesh: &TetMesh) -> Vec<[u32; 3]> {
     faces
 }
 
-/// Orders arcs (from, to, cell) into one fan or cycle.
-fn chain(arcs: &mut [(u32, u32, u32)]) -> Option<Ring> {
-    // In a cycle every vertex is met twice.
-    let closed = arcs.iter().fold(0, |x, arc| x ^ arc.0 ^ arc.1) == 0;
-    if !closed {
-        let first = (0..arcs.len()).find(|&i| arcs.iter().all(|a| a.1 != arcs[i].0))?;
-        arcs.swap(0, first);
-    }
-    let mut end = arcs.first()?.1;
-    for i in 1..arcs.len() {
-        let next = (i..arcs.len()).fold(usize::MAX, |next, j| if arcs[j].0 == end { j } else { next });
-        if next == usize::MAX {
-            return None;
-        }
-        arcs.swap(i, next);
-        end = arcs[i].1;
-    }
-    let mut vertices: SmallVec<[u32; 12]> = arcs.iter().map(|a| a.0).collect();
-    if !closed {
-        vertices.push(end);
-    } else if end != arcs[0].0 {
-        return None;
-    }
-    Some(Ring { vertices, cells: arcs.iter().map(|a| a.2).collect(), closed })
-}
-
 /// The simplex with vertices `from` replaced by `to`.
 fn replace<const N: usize>(simplex: [u32; N], from: [u32; 2], to: [u32; 2]) -> [u32; N] {
     simplex.map(|v| {
@@ -500,11 +429,6 @@ fn replace<const N: usize>(simplex: [u32; N], from: [u32; 2], to: [u32; 2]) -> [
 /// True if `v` is a corner of `tet`, without a branch a corner.
 fn has_vertex(tet: [u32; 4], v: u32) -> bool {
     (tet[0] == v) | (tet[1] == v) | (tet[2] == v) | (tet[3] == v)
-}
-
-/// Which corner of `tet` vertex `v` is; `v` is one of them.
-pub(super) fn index_of(tet: [u32; 4], v: u32) -> usize {
-    usize::from(tet[1] == v) + 2 * usize::from(tet[2] == v) + 3 * usize::from(tet[3] == v)
 }
 
 /// Removes one value from an unordered list.

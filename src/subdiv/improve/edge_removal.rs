@@ -167,7 +167,7 @@ pub(super) fn can_remove(
 }
 
 /// A boundary edge may be replaced by the chord if the chord is not an edge yet and both ends keep at least two cells.
-fn chord_is_free(solid: &Solid, [a, b]: [u32; 2], link: &[u32]) -> bool {
+pub(super) fn chord_is_free(solid: &Solid, [a, b]: [u32; 2], link: &[u32]) -> bool {
     let (first, last) = (link[0], link[link.len() - 1]);
     !solid.has_edge(first, last) && [a, b].iter().all(|&v| solid.cells_at(v).len() > 2)
 }

@@ -19,9 +19,9 @@ pub(super) use face_flip::FaceFlip;
 pub(super) use quality::optimise_quality;
 
 use super::options::Optimise;
-use super::solid::{Ring, Solid, index_of};
-use crate::mesh::quality as shape;
-use edge_removal::can_remove;
+use super::solid::{Ring, Solid, rest_of};
+use crate::mesh::quality::volume;
+use edge_removal::{can_remove, chord_is_free};
 use freedom::Freedom;
 use parallel::{edges_where, in_blocks, vertices_where};
 use rustc_hash::FxHashSet;
@@ -29,7 +29,7 @@ use smallvec::SmallVec;
 use smooth::{GOOD, Smoother};
 
 /// Edges and vertices of which proposals are made at a time: many for the threads' sake, few so that they stay true.
-const EDGE_BLOCK: usize = 4096;
+const EDGE_BLOCK: usize = 1024;
 const VERTEX_BLOCK: usize = 512;
 
 /// Tools with their work space.
@@ -70,9 +70,10 @@ impl Improver {
         let mut removed = 0;
         let promising = |filling: &mut Filling, solid: &Solid, edge: [u32; 2]| {
             solid.ring(edge[0], edge[1]).is_some_and(|ring| {
+                // Whether a chord is free depends on more than the ring.
                 is_removable(solid, edge, &ring, 0.0)
-                    // Whether a boundary edge can go depends on more than its ring.
-                    && (!ring.closed || can_remove(solid, edge, &ring, &improvement(solid, &ring), filling))
+                    && (!ring.closed && !chord_is_free(solid, edge, &ring.vertices)
+                        || can_remove(solid, edge, &ring, &improvement(solid, &ring), filling))
             })
         };
         in_blocks(solid, &edges, EDGE_BLOCK, promising, |solid, block| {
@@ -132,12 +133,6 @@ fn pairs(edge: [u32; 2], ring: &Ring) -> impl Iterator<Item = [u32; 2]> {
     (0..vertices.len() * vertices.len()).map(pair).filter(|[v, w]| v < w).collect::<SmallVec<[_; 64]>>().into_iter()
 }
 
-/// The other corners of a cell in an order that makes (v, rest) an even reordering.
-fn rest_of(tet: [u32; 4], v: u32) -> [u32; 3] {
-    // Outward at the back is positive at the front.
-    shape::FACES[index_of(tet, v)].map(|k| tet[k])
-}
-
 /// True if the edge may go without changing the solid. `rounding` is the distance by which rounding may have moved
 /// vertices off their plane.
 fn is_removable(solid: &Solid, edge: [u32; 2], ring: &Ring, rounding: f64) -> bool {
@@ -161,7 +156,7 @@ fn is_flat(solid: &Solid, edge: [u32; 2], ring: &Ring, rounding: f64) -> bool {
     let [a, b] = edge.map(|v| solid.point(v));
     let [c, d] = [ring.vertices[0], ring.vertices[ring.vertices.len() - 1]].map(|v| solid.point(v));
     let longest = [b - a, c - a, d - a, c - b, d - b, d - c].iter().map(|e| e.length_squared()).fold(0.0, f64::max);
-    if shape::volume([a, b, c, d]).abs() > (1e-14 * longest.sqrt() + rounding) * longest {
+    if volume([a, b, c, d]).abs() > (1e-14 * longest.sqrt() + rounding) * longest {
         return false;
     }
     let normal = (c - a).cross(b - a);

@@ -56,12 +56,15 @@ pub(super) fn vertices_where(solid: &Solid, wanted: impl Fn(u32) -> bool + Sync)
 /// The edges of the wanted cells, sorted.
 pub(super) fn edges_where(solid: &Solid, wanted: impl Fn(u32) -> bool + Sync) -> Vec<[u32; 2]> {
     by_vertex(solid, |v, found| {
-        let mut ends: SmallVec<[u32; 96]> = SmallVec::new();
+        let mut ends: SmallVec<[u32; 32]> = SmallVec::new();
         for &t in solid.cells_at(v).iter().filter(|t| wanted(**t)) {
-            ends.extend(solid.tet(t).into_iter().filter(|&w| w > v));
+            for w in solid.tet(t) {
+                if w > v && !ends.contains(&w) {
+                    ends.push(w);
+                }
+            }
         }
         ends.sort_unstable();
-        ends.dedup();
         found.extend(ends.into_iter().map(|w| [v, w]));
     })
 }
