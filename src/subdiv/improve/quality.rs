@@ -94,6 +94,10 @@ impl Quality {
         self.relieve(solid, last.is_none());
         self.remove_edges(solid, since);
         self.remove_faces(solid, since);
+        if last.is_some() {
+            // Removed faces have left new edges.
+            self.relieve(solid, false);
+        }
         self.smooth(solid, since);
         if let Some(start) = last {
             let mut changed = start;
