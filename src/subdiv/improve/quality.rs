@@ -99,16 +99,21 @@ impl Quality {
             self.relieve(solid, false);
         }
         self.smooth(solid, since);
-        if let Some(start) = last {
-            let mut changed = start;
-            for _ in 0..REPAIRS {
-                changed = self.repair_since(solid, changed);
-            }
-        }
+        self.repair(solid, last);
         for _ in 0..MEAN_SWEEPS[usize::from(last.is_some())] {
             self.raise_means(solid, since);
         }
+        // Around the cells that are left the mesh is another now.
+        self.repair(solid, last);
         now
+    }
+
+    /// Repairs the worst cells changed since `start`, in the last pass.
+    fn repair(&mut self, solid: &mut Solid, start: Option<u32>) {
+        let mut changed = start;
+        for _ in 0..REPAIRS {
+            changed = changed.map(|since| self.repair_since(solid, since));
+        }
     }
 
     /// Removes edges of bad cells where that improves the worst cell of the ring.

@@ -9,10 +9,10 @@ use crate::mesh::topology;
 use crate::subdiv::Stencil;
 
 /// Rounds of edge removal and smoothing around a new vertex.
-const ROUNDS: usize = 2;
+const ROUNDS: usize = 3;
 
 /// Edges of a cell that are tried, the longest.
-const EDGES: usize = 4;
+const EDGES: usize = 6;
 
 /// A repair must raise the worst sine by this much.
 const GAIN: f64 = 0.01;
