@@ -22,7 +22,7 @@ const STEPS: usize = 2;
 const MEAN_SWEEPS: [usize; 2] = [1, 2];
 
 /// Cells whose smallest angle is this many degrees below the target are repaired at any price.
-const REPAIR_BELOW: f64 = 6.0;
+const REPAIR_BELOW: f64 = 5.0;
 
 /// No cell is pushed below this many degrees under the target for the sake of the mean.
 const MEAN_BELOW: f64 = 4.0;
