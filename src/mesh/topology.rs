@@ -43,29 +43,14 @@ type FaceUse = ([u32; 3], u32, u8);
 
 /// Every face of every cell, sorted so that the uses of one face stand together.
 fn face_uses(tets: &[[u32; 4]]) -> Vec<FaceUse> {
-    let faces = || {
-        let of = |(t, &tet): (usize, &[u32; 4])| {
-            let face = move |(i, f)| (sorted3(f), t as u32, i as u8);
-            tet_faces(tet).into_iter().enumerate().map(face)
-        };
-        tets.iter().enumerate().flat_map(of)
-    };
-    // First by their smallest vertices, by counting; then those with the same smallest vertex among themselves.
-    let count = tets.iter().flatten().max().map_or(0, |&v| v as usize + 1);
-    let mut next = vec![0_u32; count + 1];
-    for (vertices, ..) in faces() {
-        next[vertices[0] as usize + 1] += 1;
+    let mut uses: Vec<FaceUse> = Vec::with_capacity(4 * tets.len());
+    for (t, &tet) in tets.iter().enumerate() {
+        for (i, f) in tet_faces(tet).into_iter().enumerate() {
+            uses.push((sorted3(f), t as u32, i as u8));
+        }
     }
-    for v in 0..count {
-        next[v + 1] += next[v];
-    }
-    let mut uses: Vec<FaceUse> = vec![([0; 3], 0, 0); 4 * tets.len()];
-    for face in faces() {
-        let place = &mut next[face.0[0] as usize];
-        uses[*place as usize] = face;
-        *place += 1;
-    }
-    uses.par_chunk_by_mut(|a, b| a.0[0] == b.0[0]).for_each(<[FaceUse]>::sort_unstable);
+    // No two uses are equal, so the order does not depend on the number of threads.
+    uses.par_sort_unstable();
     uses
 }
 

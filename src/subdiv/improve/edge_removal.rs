@@ -8,6 +8,7 @@
 use super::super::solid::{Ring, Solid};
 use crate::mesh::{Face, quality};
 use glam::DVec3;
+use smallvec::SmallVec;
 
 /// Cost and minimum sine of a cell of these vertices and positions; `None` if it is not positive.
 pub(crate) type CellPrice<'a> = dyn Fn([u32; 4], [DVec3; 4]) -> Option<(f64, f64)> + 'a;
@@ -45,7 +46,8 @@ impl Filling {
         if n < 3 {
             return false;
         }
-        let star = Star { solid, edge, link };
+        let point = |v: &u32| solid.point(*v);
+        let star = Star { edge, link, ends: edge.map(|v| point(&v)), points: link.iter().map(point).collect() };
         let (empty, bound) = match measure {
             Measure::BestWorst(floor) => (f64::INFINITY, *floor),
             Measure::LeastSum { below, .. } => (0.0, -below),
@@ -88,25 +90,27 @@ impl Filling {
 
 /// The cells that a filling may have.
 struct Star<'a> {
-    solid: &'a Solid,
     edge: [u32; 2],
     link: &'a [u32],
+    /// Positions of the ends of the edge, and of the link.
+    ends: [DVec3; 2],
+    points: SmallVec<[DVec3; 12]>,
 }
 
 impl Star<'_> {
     /// Value of the polygon made of a triangle and the polygons at its two sides, if it is above `best`.
     fn triangle(&self, measure: &Measure<'_>, corners: [usize; 3], sides: (f64, f64), best: f64) -> Option<f64> {
-        let [a, b] = self.edge;
         let [i, k, j] = corners.map(|c| self.link[c]);
+        let [pi, pk, pj] = corners.map(|c| self.points[c]);
+        let ([a, b], [pa, pb]) = (self.edge, self.ends);
         let mut value = match measure {
             Measure::BestWorst(_) => sides.0.min(sides.1),
             Measure::LeastSum { .. } => sides.0 + sides.1,
         };
-        for tet in [[i, k, j, b], [i, j, k, a]] {
+        for (tet, points) in [([i, k, j, b], [pi, pk, pj, pb]), ([i, j, k, a], [pi, pj, pk, pa])] {
             if value <= best {
                 return None;
             }
-            let points = tet.map(|v| self.solid.point(v));
             match measure {
                 Measure::BestWorst(_) => value = value.min(quality::positive_min_sine(points)),
                 Measure::LeastSum { cost, floor, .. } => {

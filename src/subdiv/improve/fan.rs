@@ -165,11 +165,7 @@ impl Block {
                 let choose = |new: f64, old: f64| if smaller { new } else { old };
                 smallest = (
                     choose(ratio, smallest.0),
-                    DVec3::new(
-                        choose(log.x, smallest.1.x),
-                        choose(log.y, smallest.1.y),
-                        choose(log.z, smallest.1.z),
-                    ),
+                    DVec3::new(choose(log.x, smallest.1.x), choose(log.y, smallest.1.y), choose(log.z, smallest.1.z)),
                 );
             }
             let gradient = smallest.0.sqrt() * (six_volumes * smallest.1 - base);

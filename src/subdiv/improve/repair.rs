@@ -61,12 +61,15 @@ impl Quality {
         let m = make(solid);
         self.freedoms.push(freedom(solid, m, &[]));
         let good = (old + AHEAD).min(self.goal);
+        let mut worst = f64::NEG_INFINITY;
         for _ in 0..ROUNDS {
             let mut cells = solid.cells_in_trial();
             cells.retain(|&t| solid.sine(t) < good);
-            if cells.is_empty() {
+            let now = solid.worst_sine(&cells);
+            if cells.is_empty() || now <= worst {
                 break;
             }
+            worst = now;
             self.improve_around(solid, m, cells, good);
         }
         let better = solid.cells_in_trial().iter().all(|&t| solid.sine(t) > old + GAIN);

@@ -39,8 +39,11 @@ impl Solid {
     /// [`LONGEST_RING`].
     pub(in crate::subdiv) fn ring(&self, a: u32, b: u32) -> Option<Ring> {
         // The shorter list is searched. Which cells are at the edge is as good as random: no branches on it.
-        let (list, other) =
-            if self.cells_at(a).len() <= self.cells_at(b).len() { (self.cells_at(a), b) } else { (self.cells_at(b), a) };
+        let (list, other) = if self.cells_at(a).len() <= self.cells_at(b).len() {
+            (self.cells_at(a), b)
+        } else {
+            (self.cells_at(b), a)
+        };
         let mut cells = [0; LONGEST_RING + 1];
         let mut count = 0;
         for &t in list {
