@@ -102,7 +102,7 @@ pub struct Subdivide {
     #[arg(long, value_enum, default_value_t = BoundaryName::Approximating)]
     pub boundary: BoundaryName,
     /// How each refined mesh is optimised for its dihedral angles
-    #[arg(long, value_enum, default_value_t = ModeName::Paper)]
+    #[arg(long, value_enum, default_value_t = ModeName::Best)]
     pub optimise: ModeName,
     /// What a good cell is to the published operations
     #[arg(long, value_enum, default_value_t = MeasureName::MinSine)]

@@ -42,25 +42,30 @@ pub fn dihedral_sines(p: [DVec3; 4]) -> [f64; 6] {
 /// 2.3. Positive exactly for positively oriented cells; 0.943 for the regular tetrahedron.
 #[must_use]
 pub fn min_sine(p: [DVec3; 4]) -> f64 {
-    let n = face_normals(p).map(DVec3::length_squared);
-    let six_volumes = 6.0 * volume(p);
-    let worst = EDGES
-        .iter()
-        .map(|&[i, j]| {
-            let [k, l] = other_two(i, j);
-            (p[j] - p[i]).length_squared() / (n[k] * n[l])
-        })
-        .fold(f64::INFINITY, f64::min);
-    if worst.is_finite() {
-        if six_volumes > 0.0 {
-            six_volumes * worst.sqrt()
-        } else {
-            // Inverted: the most negative sine belongs to the largest ratio.
-            dihedral_sines(p).into_iter().fold(f64::INFINITY, f64::min)
-        }
-    } else {
-        0.0
+    let sine = positive_min_sine(p);
+    // Inverted: the most negative sine belongs to the largest ratio.
+    if sine > 0.0 { sine } else { dihedral_sines(p).into_iter().fold(f64::INFINITY, f64::min) }
+}
+
+/// [`min_sine`] of a positive cell, quickly; zero for others.
+#[must_use]
+pub fn positive_min_sine([a, b, c, d]: [DVec3; 4]) -> f64 {
+    let (ab, ac, ad, bc, bd, cd) = (b - a, c - a, d - a, c - b, d - b, d - c);
+    let opposite_d = ab.cross(ac);
+    let six_volumes = opposite_d.dot(ad);
+    if six_volumes <= 0.0 {
+        return 0.0;
     }
+    let [na, nb, nc, nd] = [bc.cross(bd), ac.cross(ad), ab.cross(ad), opposite_d].map(DVec3::length_squared);
+    // |e|^2 / (n_k n_l) with both sides of the fraction multiplied by the two other n: one comparison an edge, no division.
+    let least = (ab.length_squared() * (na * nb))
+        .min(ac.length_squared() * (na * nc))
+        .min(ad.length_squared() * (na * nd))
+        .min(bc.length_squared() * (nb * nc))
+        .min(bd.length_squared() * (nb * nd))
+        .min(cd.length_squared() * (nc * nd));
+    let sine = six_volumes * (least / (na * nb) / (nc * nd)).sqrt();
+    if sine.is_finite() { sine } else { 0.0 }
 }
 
 /// The six dihedral angles in degrees, in the order of [`EDGES`].

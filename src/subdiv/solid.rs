@@ -9,25 +9,20 @@ use crate::mesh::{Crease, Face, MeshError, PatchId, RegionId, TetMesh, TetMeshPa
 mod compact;
 mod frames;
 mod journal;
+mod ring;
 
 use frames::Stages;
 use glam::DVec3;
 use journal::{Change, Journal};
+pub(super) use ring::{Ring, rest_of};
 use rustc_hash::FxHashMap;
+use smallvec::SmallVec;
 
 /// Marks a free slot.
 const DEAD: u32 = u32::MAX;
 
 /// The patch number of faces between two regions, which belong to the surface but not to the boundary.
 const INTERFACE: PatchId = PatchId(u32::MAX);
-
-/// For a positive tetrahedron and two of its corners i, j: the corners k, l such that (i, j, k, l) is positive too.
-const POSITIVE_REST: [[[usize; 2]; 4]; 4] = [
-    [[0, 0], [2, 3], [3, 1], [1, 2]],
-    [[3, 2], [0, 0], [0, 3], [2, 0]],
-    [[1, 3], [3, 0], [0, 0], [0, 1]],
-    [[2, 1], [0, 2], [1, 0], [0, 0]],
-];
 
 /// What a cell hands on to the cells that take its place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,17 +52,6 @@ pub(super) struct Solid {
     journal: Journal,
     stages: Stages,
     rest: TetMeshParts,
-}
-
-/// The cells around an edge in order, and the vertices of its link.
-#[derive(Debug, Default, Clone)]
-pub(super) struct Ring {
-    /// Link vertices, counter-clockwise seen from the second end of the edge towards the first.
-    pub vertices: Vec<u32>,
-    /// Cell i holds link vertices i and i + 1 (cyclic if closed).
-    pub cells: Vec<u32>,
-    /// False for an edge of the boundary, whose ring starts and ends with a boundary face.
-    pub closed: bool,
 }
 
 impl Solid {
@@ -176,6 +160,11 @@ impl Solid {
         self.live_cells().filter(move |&t| self.stamps[t as usize] >= time)
     }
 
+    /// True if the cell was made or reshaped at or after `time`.
+    pub(super) fn is_changed(&self, t: u32, time: u32) -> bool {
+        self.stamps[t as usize] >= time
+    }
+
     /// Starts a new period of the clock that stamps changed cells, and returns it.
     pub(super) fn tick(&mut self) -> u32 {
         self.clock += 1;
@@ -241,33 +230,13 @@ impl Solid {
 
     /// True if the two vertices are joined by an edge.
     pub(super) fn has_edge(&self, a: u32, b: u32) -> bool {
-        self.cells_at(a).iter().any(|&t| self.tet(t).contains(&b))
+        self.cells_at(a).iter().any(|&t| has_vertex(self.tet(t), b))
     }
 
     /// The cells (one or two) that hold the three vertices.
-    pub(super) fn cells_at_face(&self, [a, b, c]: [u32; 3]) -> Vec<u32> {
-        let has = |t: &&u32| {
-            let tet = self.tet(**t);
-            tet.contains(&b) && tet.contains(&c)
-        };
-        self.cells_at(a).iter().filter(has).copied().collect()
-    }
-
-    /// The ring of edge (a, b); `None` if the edge does not exist or its cells are not one fan.
-    pub(super) fn ring(&self, a: u32, b: u32) -> Option<Ring> {
-        // The shorter list is searched; arcs (c, d, cell) with (a, b, c, d) positive.
-        let (start, other) = if self.cells_at(a).len() <= self.cells_at(b).len() { (a, b) } else { (b, a) };
-        let mut arcs: smallvec::SmallVec<[(u32, u32, u32); 32]> = smallvec::SmallVec::new();
-        for &t in self.cells_at(start) {
-            let tet = self.tet(t);
-            if !tet.contains(&other) {
-                continue;
-            }
-            let (i, j) = (index_of(tet, a), index_of(tet, b));
-            let [k, l] = POSITIVE_REST[i][j];
-            arcs.push((tet[k], tet[l], t));
-        }
-        chain(&mut arcs)
+    pub(super) fn cells_at_face(&self, face: [u32; 3]) -> SmallVec<[u32; 2]> {
+        let has = |t: &&u32| face.iter().all(|&v| has_vertex(self.tet(**t), v));
+        self.cells_at(face[0]).iter().filter(has).copied().collect()
     }
 
     /// Positions of cell `t`.
@@ -398,7 +367,7 @@ impl Solid {
     }
 
     /// Minimum sines of the cells at `v`, in the order of [`Solid::cells_at`], if it were at `p`.
-    pub(super) fn sines_with(&self, v: u32, p: DVec3) -> smallvec::SmallVec<[f64; 32]> {
+    pub(super) fn sines_with(&self, v: u32, p: DVec3) -> SmallVec<[f64; 32]> {
         let corner = |w| if w == v { p } else { self.point(w) };
         self.cells_at(v).iter().map(|&t| quality::min_sine(self.tet(t).map(corner))).collect()
     }
@@ -424,37 +393,19 @@ impl Solid {
         }
     }
 
-    /// Smallest minimum sine of the cells at `v` if it were at `p`; stops early below `enough`.
+    /// Smallest minimum sine of the cells at `v` if it were at `p`; stops early below `enough`. Of cells that are not
+    /// positive it says zero.
     pub(super) fn worst_sine_with(&self, v: u32, p: DVec3, enough: f64) -> f64 {
         let mut worst = f64::INFINITY;
         for &t in self.cells_at(v) {
             let corners = self.tet(t).map(|w| if w == v { p } else { self.point(w) });
-            worst = worst.min(quality::min_sine(corners));
+            worst = worst.min(quality::positive_min_sine(corners));
             if worst < enough {
                 break;
             }
         }
         worst
     }
-}
-
-/// Orders arcs (from, to, cell) into one fan or cycle.
-fn chain(arcs: &mut [(u32, u32, u32)]) -> Option<Ring> {
-    let first = (0..arcs.len()).find(|&i| arcs.iter().all(|a| a.1 != arcs[i].0));
-    arcs.swap(0, first.unwrap_or(0).min(arcs.len().checked_sub(1)?));
-    for i in 1..arcs.len() {
-        let next = (i..arcs.len()).find(|&j| arcs[j].0 == arcs[i - 1].1)?;
-        arcs.swap(i, next);
-    }
-    let closed = first.is_none();
-    let mut vertices: Vec<u32> = arcs.iter().map(|a| a.0).collect();
-    let last = arcs[arcs.len() - 1].1;
-    if !closed {
-        vertices.push(last);
-    } else if last != arcs[0].0 {
-        return None;
-    }
-    Some(Ring { vertices, cells: arcs.iter().map(|a| a.2).collect(), closed })
 }
 
 /// The simplex with vertices `from` replaced by `to`.
@@ -470,9 +421,9 @@ fn replace<const N: usize>(simplex: [u32; N], from: [u32; 2], to: [u32; 2]) -> [
     })
 }
 
-/// Which corner of `tet` vertex `v` is; `v` is one of them.
-fn index_of(tet: [u32; 4], v: u32) -> usize {
-    tet.iter().position(|&w| w == v).unwrap_or(0)
+/// True if `v` is a corner of `tet`, without a branch a corner.
+fn has_vertex(tet: [u32; 4], v: u32) -> bool {
+    (tet[0] == v) | (tet[1] == v) | (tet[2] == v) | (tet[3] == v)
 }
 
 /// Removes one value from an unordered list.

@@ -10,28 +10,30 @@ use super::super::solid::{Ring, Solid};
 use super::measured;
 use crate::mesh::{Face, quality};
 use glam::DVec3;
+use smallvec::SmallVec;
 
-/// Rings longer than this are left alone: the dynamic program is cubic.
-const LONGEST_RING: usize = 32;
-
-/// Cost and minimum sine of a cell of these vertices and positions; `None` if it is not positive.
-pub(crate) type CellPrice<'a> = dyn Fn([u32; 4], [DVec3; 4]) -> Option<(f64, f64)> + 'a;
-
-/// What makes one filling better than another.
-pub(crate) enum Measure<'a> {
+/// What makes one filling better than another: its worst cell.
+#[derive(Clone, Copy)]
+pub(crate) enum Measure {
     /// The worst sine is as large as possible, and above this.
     BestWorst(f64),
     /// The worst value of another measure ([`measured::value`]) is as large as possible, and above this.
     BestWorstBy(QualityMeasure, f64),
-    /// The sum of a cost over the cells is as small as possible and below a bound, no sine below a floor.
-    LeastSum {
-        /// Cost of a cell.
-        cost: &'a CellPrice<'a>,
-        /// Bound on the sum.
-        below: f64,
-        /// Floor under the sines.
-        floor: f64,
-    },
+}
+
+impl Measure {
+    fn floor(self) -> f64 {
+        match self {
+            Self::BestWorst(floor) | Self::BestWorstBy(_, floor) => floor,
+        }
+    }
+
+    fn value(self, points: [DVec3; 4]) -> f64 {
+        match self {
+            Self::BestWorst(_) => quality::positive_min_sine(points),
+            Self::BestWorstBy(measure, _) => measured::value(measure, points),
+        }
+    }
 }
 
 /// Work space of the dynamic program, kept between calls.
@@ -45,27 +47,23 @@ pub(crate) struct Filling {
 
 impl Filling {
     /// Finds the best filling of the ring of the edge; true if there is an admissible one.
-    ///
-    /// Values are to be made large: the worst sine of a polygon's cells, or minus the sum of their costs.
-    fn solve(&mut self, solid: &Solid, edge: [u32; 2], link: &[u32], measure: &Measure<'_>) -> bool {
+    fn solve(&mut self, solid: &Solid, edge: [u32; 2], link: &[u32], measure: Measure) -> bool {
         let n = link.len();
-        if !(3..=LONGEST_RING).contains(&n) {
+        if n < 3 {
             return false;
         }
-        let star = Star { solid, edge, link };
-        let (empty, bound) = match measure {
-            Measure::BestWorst(floor) | Measure::BestWorstBy(_, floor) => (f64::INFINITY, *floor),
-            Measure::LeastSum { below, .. } => (0.0, -below),
-        };
+        let point = |v: &u32| solid.point(*v);
+        let star = Star { ends: edge.map(|v| point(&v)), points: link.iter().map(point).collect() };
+        let bound = measure.floor();
         self.size = n;
         self.best.clear();
-        self.best.resize(n * n, (empty, 0));
+        self.best.resize(n * n, (f64::INFINITY, 0));
         for span in 2..n {
             for i in 0..n - span {
                 let j = i + span;
                 let mut best = (bound, usize::MAX);
                 for k in i + 1..j {
-                    let sides = (self.best[i * n + k].0, self.best[k * n + j].0);
+                    let sides = self.best[i * n + k].0.min(self.best[k * n + j].0);
                     if let Some(value) = star.triangle(measure, [i, k, j], sides, best.0) {
                         best = (value, k);
                     }
@@ -93,38 +91,23 @@ impl Filling {
     }
 }
 
-/// The cells that a filling may have.
-struct Star<'a> {
-    solid: &'a Solid,
-    edge: [u32; 2],
-    link: &'a [u32],
+/// Positions of the ends of an edge, and of its link.
+struct Star {
+    ends: [DVec3; 2],
+    points: SmallVec<[DVec3; 12]>,
 }
 
-impl Star<'_> {
+impl Star {
     /// Value of the polygon made of a triangle and the polygons at its two sides, if it is above `best`.
-    fn triangle(&self, measure: &Measure<'_>, corners: [usize; 3], sides: (f64, f64), best: f64) -> Option<f64> {
-        let [a, b] = self.edge;
-        let [i, k, j] = corners.map(|c| self.link[c]);
-        let mut value = match measure {
-            Measure::BestWorst(_) | Measure::BestWorstBy(..) => sides.0.min(sides.1),
-            Measure::LeastSum { .. } => sides.0 + sides.1,
-        };
-        for tet in [[i, k, j, b], [i, j, k, a]] {
+    fn triangle(&self, measure: Measure, corners: [usize; 3], sides: f64, best: f64) -> Option<f64> {
+        let [i, k, j] = corners.map(|c| self.points[c]);
+        let [a, b] = self.ends;
+        let mut value = sides;
+        for points in [[i, k, j, b], [i, j, k, a]] {
             if value <= best {
                 return None;
             }
-            let points = tet.map(|v| self.solid.point(v));
-            match measure {
-                Measure::BestWorst(_) => value = value.min(quality::min_sine(points)),
-                Measure::BestWorstBy(measure, _) => value = value.min(measured::value(*measure, points)),
-                Measure::LeastSum { cost, floor, .. } => {
-                    let (cost, sine) = cost(tet, points)?;
-                    if sine < *floor {
-                        return None;
-                    }
-                    value -= cost;
-                }
-            }
+            value = value.min(measure.value(points));
         }
         (value > best).then_some(value)
     }
@@ -136,7 +119,7 @@ pub(crate) fn remove_edge(
     solid: &mut Solid,
     edge: [u32; 2],
     ring: &Ring,
-    measure: &Measure<'_>,
+    measure: Measure,
     filling: &mut Filling,
 ) -> bool {
     if !can_remove(solid, edge, ring, measure, filling) {
@@ -160,7 +143,7 @@ pub(crate) fn flip_interface(
     solid: &mut Solid,
     edge: [u32; 2],
     parts: &[Ring; 2],
-    measure: &Measure<'_>,
+    measure: Measure,
     filling: &mut Filling,
 ) -> bool {
     let mut found = [Vec::new(), Vec::new()];
@@ -196,7 +179,7 @@ pub(super) fn can_remove(
     solid: &Solid,
     edge: [u32; 2],
     ring: &Ring,
-    measure: &Measure<'_>,
+    measure: Measure,
     filling: &mut Filling,
 ) -> bool {
     may_replace(solid, edge, ring) && filling.solve(solid, edge, &ring.vertices, measure)
@@ -211,7 +194,7 @@ pub(super) fn may_replace(solid: &Solid, edge: [u32; 2], ring: &Ring) -> bool {
 
 /// A surface edge may be replaced by the chord if the chord is not an edge yet and both ends keep at least two cells of
 /// the region.
-fn chord_is_free(solid: &Solid, [a, b]: [u32; 2], ring: &Ring) -> bool {
+pub(super) fn chord_is_free(solid: &Solid, [a, b]: [u32; 2], ring: &Ring) -> bool {
     let (first, last) = (ring.vertices[0], ring.vertices[ring.vertices.len() - 1]);
     let region = solid.tag(ring.cells[0]).region;
     let cells = |v: u32| solid.cells_at(v).iter().filter(|&&t| solid.tag(t).region == region).count();

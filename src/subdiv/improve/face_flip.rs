@@ -14,8 +14,8 @@ pub(crate) struct FaceFlip {
 impl FaceFlip {
     /// The flip of a face; `None` at the boundary, between regions, and where the new edge exists already.
     pub(crate) fn of(solid: &Solid, face: [u32; 3]) -> Option<Self> {
-        let cells: [u32; 2] = solid.cells_at_face(face).try_into().ok()?;
-        let [t, u] = cells;
+        let cells = solid.cells_at_face(face);
+        let [t, u] = cells[..] else { return None };
         if solid.tag(t).region != solid.tag(u).region {
             return None;
         }
@@ -25,12 +25,12 @@ impl FaceFlip {
         let [a, b, c] = super::rest_of(solid.tet(t), d);
         // (d, a, b, c) is positive, so (a, b, c, d) is negative: an odd permutation apart.
         let children = [[b, a, e, d], [c, b, e, d], [a, c, e, d]];
-        Some(Self { cells, children })
+        Some(Self { cells: [t, u], children })
     }
 
     /// Smallest minimum sine of the cells that come.
     pub(crate) fn worst_sine(&self, solid: &Solid) -> f64 {
-        let sine = |child: &[u32; 4]| quality::min_sine(child.map(|v| solid.point(v)));
+        let sine = |child: &[u32; 4]| quality::positive_min_sine(child.map(|v| solid.point(v)));
         self.children.iter().map(sine).fold(f64::INFINITY, f64::min)
     }
 

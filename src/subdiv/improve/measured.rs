@@ -43,14 +43,14 @@ pub(super) fn worst(solid: &Solid, cells: &[u32], measure: QualityMeasure) -> f6
     cells.iter().map(|&t| value(measure, solid.cell_points(t))).fold(f64::INFINITY, f64::min)
 }
 
-/// Moves an interior vertex to where its worst cell is better, if that cell is bad: to the mean of its neighbours, then
-/// by compass search, which knows nothing of the measure but its values. Returns whether it moved.
-pub(super) fn smooth(solid: &mut Solid, v: u32, measure: QualityMeasure) -> bool {
+/// Where the worst cell of an interior vertex is better, if that cell is bad: at the mean of its neighbours, then by
+/// compass search, which knows nothing of the measure but its values.
+pub(super) fn better(solid: &Solid, v: u32, measure: QualityMeasure) -> Option<DVec3> {
     let start = solid.point(v);
     let old = worst_with(solid, v, start, measure);
     let good = good(measure);
     if old > good {
-        return false;
+        return None;
     }
     let neighbours = neighbours(solid, v);
     let mean = neighbours.iter().sum::<DVec3>() / neighbours.len().max(1) as f64;
@@ -69,11 +69,7 @@ pub(super) fn smooth(solid: &mut Solid, v: u32, measure: QualityMeasure) -> bool
             step *= 0.5;
         }
     }
-    let better = best.1 > old;
-    if better {
-        solid.move_point(v, best.0);
-    }
-    better
+    (best.1 > old).then_some(best.0)
 }
 
 /// The best of a position and its six neighbours along the axes, with the worst value there.

@@ -4,6 +4,7 @@
 mod edge_removal;
 pub(super) mod error;
 mod face_flip;
+mod fan;
 mod freedom;
 mod mean;
 mod measured;
@@ -19,10 +20,18 @@ pub(super) use face_flip::FaceFlip;
 pub(super) use quality::optimise_quality;
 
 use super::options::{Mode, Optimise, QualityMeasure};
-use super::solid::{Ring, Solid};
-use crate::mesh::{quality::volume, topology};
+use super::solid::{Ring, Solid, rest_of};
+use crate::mesh::quality::volume;
+use edge_removal::{can_remove, chord_is_free};
 use freedom::Freedom;
+use parallel::{edges_where, in_blocks, vertices_where};
+use rustc_hash::FxHashSet;
+use smallvec::SmallVec;
 use smooth::{GOOD, Smoother};
+
+/// Edges and vertices of which proposals are made at a time: many for the threads' sake, few so that they stay true.
+const EDGE_BLOCK: usize = 1024;
+const VERTEX_BLOCK: usize = 512;
 
 /// Tools with their work space.
 pub(super) struct Improver {
@@ -63,53 +72,82 @@ impl Improver {
         }
     }
 
-    /// Removes each edge whose removal improves the worst cell of its ring; returns how many.
+    /// Removes, in their order, the edges whose removal improves the worst cell of the ring; returns how many.
     fn remove_edges(&mut self, solid: &mut Solid, since: u32) -> usize {
-        let mut edges: Vec<[u32; 2]> =
-            solid.cells_since(since).flat_map(|t| topology::tet_edges(solid.tet(t))).collect();
-        edges.sort_unstable();
-        edges.dedup();
-        edges.into_iter().filter(|&e| self.improve_edge(solid, e)).count()
-    }
-
-    fn improve_edge(&mut self, solid: &mut Solid, edge: [u32; 2]) -> bool {
-        let Some(ring) = solid.ring(edge[0], edge[1]) else { return false };
-        if !is_removable(solid, edge, &ring, 0.0) {
-            return false;
-        }
-        // An improvement too small to matter would only keep the later passes busy.
-        let above = |worst: f64| worst.max(0.0) + 1e-3;
-        let measure = match self.measure {
-            QualityMeasure::MinSine => Measure::BestWorst(above(solid.worst_sine(&ring.cells))),
-            other => Measure::BestWorstBy(other, above(measured::worst(solid, &ring.cells, other))),
+        let edges = edges_where(solid, |t| solid.is_changed(t, since));
+        let (mut removed, measure) = (0, self.measure);
+        let promising = |filling: &mut Filling, solid: &Solid, edge: [u32; 2]| {
+            solid.ring(edge[0], edge[1]).is_some_and(|ring| {
+                // Whether a chord is free depends on more than the ring.
+                is_removable(solid, edge, &ring, 0.0)
+                    && (!ring.closed && !chord_is_free(solid, edge, &ring)
+                        || can_remove(solid, edge, &ring, improvement(measure, solid, &ring), filling))
+            })
         };
-        remove_edge(solid, edge, &ring, &measure, &mut self.filling)
+        in_blocks(solid, &edges, EDGE_BLOCK, promising, |solid, block| {
+            // Edges whose rings are other than the proposals saw.
+            let mut changed = FxHashSet::default();
+            for (edge, promising) in block {
+                if promising || changed.contains(&edge) {
+                    if let Some(ring) = self.improve_edge(solid, edge) {
+                        changed.extend(pairs(edge, &ring));
+                        removed += 1;
+                    }
+                }
+            }
+        });
+        removed
     }
 
-    /// Smooths the interior vertices of changed cells; returns how many moved.
+    /// Removes the edge if that improves the worst cell of its ring, which it gives then.
+    fn improve_edge(&mut self, solid: &mut Solid, edge: [u32; 2]) -> Option<Ring> {
+        let ring = solid.ring(edge[0], edge[1]).filter(|ring| is_removable(solid, edge, ring, 0.0))?;
+        remove_edge(solid, edge, &ring, improvement(self.measure, solid, &ring), &mut self.filling).then_some(ring)
+    }
+
+    /// Smooths, in their order, the interior vertices of changed cells; returns how many moved.
     fn smooth(&mut self, solid: &mut Solid, since: u32) -> usize {
-        let mut vertices: Vec<u32> = solid.cells_since(since).flat_map(|t| solid.tet(t)).collect();
-        vertices.sort_unstable();
-        vertices.dedup();
-        vertices.into_iter().filter(|&v| solid.is_interior(v) && self.smooth_vertex(solid, v)).count()
-    }
-
-    fn smooth_vertex(&mut self, solid: &mut Solid, v: u32) -> bool {
-        match self.measure {
-            QualityMeasure::MinSine => self.smoother.smooth(solid, v, Freedom::Space, GOOD),
-            other => measured::smooth(solid, v, other),
-        }
+        let mut vertices = vertices_where(solid, |t| solid.is_changed(t, since));
+        vertices.retain(|&v| solid.is_interior(v));
+        let measure = self.measure;
+        let better = |smoother: &mut Smoother, solid: &Solid, v| {
+            let place = match measure {
+                QualityMeasure::MinSine => smoother.better(solid, v, Freedom::Space, GOOD),
+                other => measured::better(solid, v, other),
+            };
+            place.map(|p| (p, solid.sines_with(v, p)))
+        };
+        let mut moved = 0;
+        in_blocks(solid, &vertices, VERTEX_BLOCK, better, |solid, block| {
+            // Vertices whose cells are other than the proposals saw.
+            let mut changed = FxHashSet::default();
+            for (v, proposal) in block {
+                let proposal = if changed.contains(&v) { better(&mut self.smoother, solid, v) } else { proposal };
+                if let Some((p, sines)) = proposal {
+                    solid.move_point_to(v, p, &sines);
+                    changed.extend(solid.cells_at(v).iter().flat_map(|&t| solid.tet(t)));
+                    moved += 1;
+                }
+            }
+        });
+        moved
     }
 }
 
-/// The other corners of a cell in an order that makes (v, rest) an even reordering.
-fn rest_of(tet: [u32; 4], v: u32) -> [u32; 3] {
-    match tet.iter().position(|&w| w == v) {
-        Some(0) => [tet[1], tet[2], tet[3]],
-        Some(1) => [tet[0], tet[3], tet[2]],
-        Some(2) => [tet[0], tet[1], tet[3]],
-        _ => [tet[0], tet[2], tet[1]],
+/// What the paper's edge removal has to reach: an improvement too small to matter would only keep the later passes busy.
+fn improvement(measure: QualityMeasure, solid: &Solid, ring: &Ring) -> Measure {
+    let above = |worst: f64| worst.max(0.0) + 1e-3;
+    match measure {
+        QualityMeasure::MinSine => Measure::BestWorst(above(solid.worst_sine(&ring.cells))),
+        other => Measure::BestWorstBy(other, above(measured::worst(solid, &ring.cells, other))),
     }
+}
+
+/// All pairs of the vertices of an edge and its link.
+fn pairs(edge: [u32; 2], ring: &Ring) -> impl Iterator<Item = [u32; 2]> {
+    let vertices: SmallVec<[u32; 16]> = edge.into_iter().chain(ring.vertices.iter().copied()).collect();
+    let pair = |i: usize| [vertices[i / vertices.len()], vertices[i % vertices.len()]];
+    (0..vertices.len() * vertices.len()).map(pair).filter(|[v, w]| v < w).collect::<SmallVec<[_; 64]>>().into_iter()
 }
 
 /// True if the edge may go without changing the solid. `rounding` is the distance by which rounding may have moved

@@ -59,7 +59,7 @@ pub(super) fn find_faces(solid: &Solid, face: [u32; 3], goal: f64, gain: f64) ->
 /// Ends the set at an edge, or goes on beyond it, whichever is better; returns the worst new sine on that side.
 fn grow(solid: &Solid, ends: [u32; 2], [p, q]: [u32; 2], found: &mut Sandwich, floor: f64) -> f64 {
     let [a, b] = ends;
-    let here = quality::min_sine([p, q, b, a].map(|v| solid.point(v)));
+    let here = quality::positive_min_sine([p, q, b, a].map(|v| solid.point(v)));
     if found.faces < MOST_FACES && here <= floor {
         let (cells, rim, faces) = (found.cells.len(), found.rim.len(), found.faces);
         if let Some((w, t, u)) = beyond(solid, ends, [p, q], found) {

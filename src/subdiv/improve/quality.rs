@@ -11,11 +11,9 @@ use super::super::solid::Solid;
 use super::edge_removal::{Filling, Measure, can_remove};
 use super::freedom::{Freedom, freedoms};
 use super::multi_face::{find_faces, remove_faces};
-use super::parallel::{self, select, vertices_of};
+use super::parallel::{self, edges_where, faces_where, select, vertices_where};
 use super::smooth::Smoother;
 use super::{is_removable, mean, remove_edge};
-use crate::mesh::topology;
-use rayon::prelude::*;
 
 /// Steps of the smoother a visit: more of them equalise the cells at a vertex at the expense of their mean.
 const STEPS: usize = 2;
@@ -24,7 +22,7 @@ const STEPS: usize = 2;
 const MEAN_SWEEPS: [usize; 2] = [1, 2];
 
 /// Cells whose smallest angle is this many degrees below the target are repaired at any price.
-const REPAIR_BELOW: f64 = 6.0;
+const REPAIR_BELOW: f64 = 5.0;
 
 /// No cell is pushed below this many degrees under the target for the sake of the mean.
 const MEAN_BELOW: f64 = 4.0;
@@ -96,32 +94,38 @@ impl Quality {
         self.relieve(solid, last.is_none());
         self.remove_edges(solid, since);
         self.remove_faces(solid, since);
-        self.smooth(solid, since);
-        if let Some(start) = last {
-            let mut changed = start;
-            for _ in 0..REPAIRS {
-                changed = self.repair_since(solid, changed);
-            }
+        if last.is_some() {
+            // Removed faces have left new edges.
+            self.relieve(solid, false);
         }
+        self.smooth(solid, since);
+        self.repair(solid, last);
         for _ in 0..MEAN_SWEEPS[usize::from(last.is_some())] {
             self.raise_means(solid, since);
         }
+        // Around the cells that are left the mesh is another now.
+        self.repair(solid, last);
         now
+    }
+
+    /// Repairs the worst cells changed since `start`, in the last pass.
+    fn repair(&mut self, solid: &mut Solid, start: Option<u32>) {
+        let mut changed = start;
+        for _ in 0..REPAIRS {
+            changed = changed.map(|since| self.repair_since(solid, since));
+        }
     }
 
     /// Removes edges of bad cells where that improves the worst cell of the ring.
     fn remove_edges(&mut self, solid: &mut Solid, since: u32) {
-        let mut edges: Vec<[u32; 2]> =
-            self.bad_since(solid, since).flat_map(|t| topology::tet_edges(solid.tet(t))).collect();
-        edges.par_sort_unstable();
-        edges.dedup();
+        let edges = edges_where(solid, |t| self.is_bad(solid, t, since));
         let (goal, rounding) = (self.goal, self.rounding);
         let worth = |filling: &mut Filling, &edge: &[u32; 2]| {
             let Some(ring) = solid.ring(edge[0], edge[1]) else { return false };
             let floor = solid.worst_sine(&ring.cells) + GAIN;
             floor < goal
                 && is_removable(solid, edge, &ring, rounding)
-                && can_remove(solid, edge, &ring, &Measure::BestWorst(floor.max(0.0)), filling)
+                && can_remove(solid, edge, &ring, Measure::BestWorst(floor.max(0.0)), filling)
         };
         for edge in select(edges, worth) {
             self.improve_edge(solid, edge, |worst| worst + GAIN);
@@ -134,16 +138,12 @@ impl Quality {
         let floor = floor(solid.worst_sine(&ring.cells)).max(0.0);
         floor < self.goal
             && is_removable(solid, edge, &ring, self.rounding)
-            && remove_edge(solid, edge, &ring, &Measure::BestWorst(floor), &mut self.filling)
+            && remove_edge(solid, edge, &ring, Measure::BestWorst(floor), &mut self.filling)
     }
 
     /// Removes faces of bad cells where that improves the worst cell.
     fn remove_faces(&self, solid: &mut Solid, since: u32) {
-        let cells = self.bad_since(solid, since);
-        let mut faces: Vec<[u32; 3]> =
-            cells.flat_map(|t| topology::tet_faces(solid.tet(t)).map(topology::sorted3)).collect();
-        faces.par_sort_unstable();
-        faces.dedup();
+        let faces = faces_where(solid, |t| self.is_bad(solid, t, since));
         let worth = |(): &mut (), face: &[u32; 3]| find_faces(solid, *face, self.goal, GAIN).is_some();
         for face in select(faces, worth) {
             remove_faces(solid, face, self.goal, GAIN);
@@ -152,14 +152,16 @@ impl Quality {
 
     /// Smooths the vertices of bad cells for their worst cell.
     fn smooth(&self, solid: &mut Solid, since: u32) {
-        let vertices = vertices_of(solid, self.bad_since(solid, since));
+        let vertices = vertices_where(solid, |t| self.is_bad(solid, t, since));
         self.sweep(solid, vertices, |smoother, solid, v, freedom| smoother.better(solid, v, freedom, self.goal));
     }
 
     /// Smooths the vertices of changed cells for the mean.
     fn raise_means(&self, solid: &mut Solid, since: u32) {
-        let vertices = vertices_of(solid, solid.cells_since(since));
-        self.sweep(solid, vertices, |_, solid, v, freedom| mean::better(solid, v, freedom, self.mean_floor));
+        let vertices = vertices_where(solid, |t| solid.is_changed(t, since));
+        self.sweep(solid, vertices, |smoother, solid, v, freedom| {
+            mean::better(&mut smoother.fan, solid, v, freedom, self.mean_floor)
+        });
     }
 
     /// Moves vertices to where `propose` says.
@@ -170,8 +172,8 @@ impl Quality {
         parallel::sweep(solid, &self.freedoms, vertices, || Smoother::with_steps(STEPS), propose);
     }
 
-    /// Cells changed since `since` that are not good enough.
-    fn bad_since(&self, solid: &Solid, since: u32) -> impl Iterator<Item = u32> {
-        solid.cells_since(since).filter(|&t| solid.sine(t) < self.goal)
+    /// True for a cell changed since `since` that is not good enough.
+    fn is_bad(&self, solid: &Solid, t: u32, since: u32) -> bool {
+        solid.is_changed(t, since) && solid.sine(t) < self.goal
     }
 }

@@ -6,6 +6,7 @@
 //! there are sines near the smallest. The step length t adapts to how well the linear model predicts.
 
 use super::super::solid::Solid;
+use super::fan::Fan;
 use super::freedom::Freedom;
 use glam::DVec3;
 
@@ -31,6 +32,7 @@ pub(crate) struct Smoother {
     pieces: Vec<Piece>,
     weights: Vec<f64>,
     neighbours: Vec<u32>,
+    pub(super) fan: Fan,
 }
 
 impl Default for Smoother {
@@ -42,7 +44,7 @@ impl Default for Smoother {
 impl Smoother {
     /// A smoother that takes at most so many bundle steps a vertex.
     pub(crate) fn with_steps(steps: usize) -> Self {
-        Self { steps, pieces: Vec::new(), weights: Vec::new(), neighbours: Vec::new() }
+        Self { steps, pieces: Vec::new(), weights: Vec::new(), neighbours: Vec::new(), fan: Fan::default() }
     }
 
     /// Moves a vertex within its freedom if its worst cell is not better than `good` and that improves it; returns
@@ -63,11 +65,12 @@ impl Smoother {
             return None;
         }
         let (mut p, mut worst) = (start, old);
+        self.fan.gather(solid, v);
         let mean = match freedom {
             Freedom::Space => self.neighbour_mean(solid, v),
             _ => start + freedom.project(self.neighbour_mean(solid, v) - start),
         };
-        let laplacian = solid.worst_sine_with(v, mean, worst);
+        let laplacian = self.fan.worst_sine(mean, worst);
         if laplacian > worst {
             (p, worst) = (mean, laplacian);
         }
@@ -103,7 +106,7 @@ impl Smoother {
             }
             let needed = worst + 0.1 * (predicted - worst);
             let q = p + d;
-            let actual = solid.worst_sine_with(v, q, needed);
+            let actual = self.fan.worst_sine(q, needed);
             if actual > needed {
                 (p, worst) = (q, actual);
                 t *= 2.0;
@@ -122,10 +125,11 @@ impl Smoother {
             if solid.sine(t) > worst + 2.0 * MARGIN {
                 continue;
             }
-            let rest = super::rest_of(solid.tet(t), v);
-            let candidates = sines_with_gradients(p, rest.map(|w| solid.point(w)));
-            let near = candidates.into_iter().filter(|c| c.sine < worst + MARGIN);
-            self.pieces.extend(near.map(|c| Piece { gradient: freedom.project(c.gradient), ..c }));
+            let rest = super::rest_of(solid.tet(t), v).map(|w| solid.point(w));
+            let take = |piece: Piece| {
+                self.pieces.push(Piece { gradient: freedom.project(piece.gradient), ..piece });
+            };
+            sines_with_gradients(p, rest, worst + MARGIN, take);
         }
     }
 
@@ -171,40 +175,35 @@ impl Smoother {
     }
 }
 
-/// The smallest of the sines of the positive cell (x, rest).
-pub(super) fn least_piece(x: DVec3, rest: [DVec3; 3]) -> Piece {
-    let pieces = sines_with_gradients(x, rest);
-    pieces.into_iter().fold(pieces[0], |least, piece| if piece.sine < least.sine { piece } else { least })
-}
-
-/// The six dihedral sines of the positive cell (x, p, q, r) and their gradients with respect to x.
+/// Gives `take` the dihedral sines below `limit` of the positive cell (x, p, q, r), and their gradients with respect to x.
 ///
 /// From s = 6 V |e| / (|N_1| |N_2|) by logarithmic differentiation; dV/dx and d|N|/dx are the classical ones.
-fn sines_with_gradients(x: DVec3, [p, q, r]: [DVec3; 3]) -> [Piece; 6] {
+fn sines_with_gradients(x: DVec3, [p, q, r]: [DVec3; 3], limit: f64, mut take: impl FnMut(Piece)) {
     let opposite = (q - p).cross(r - p);
     let volume = -opposite.dot(x - p);
     // Faces at x, opposite to p, q, r: (x, r, q), (x, p, r), (x, q, p).
     let normals = [(r - x).cross(q - x), (p - x).cross(r - x), (q - x).cross(p - x)];
     let lengths = normals.map(DVec3::length);
     let base = opposite.length();
+    let across = [q - r, r - p, p - q];
     // d ln|N| for N = (u - x) x (w - x) is N x (w - u) / |N|^2.
-    let logs = [
-        normals[0].cross(q - r) / (lengths[0] * lengths[0]),
-        normals[1].cross(r - p) / (lengths[1] * lengths[1]),
-        normals[2].cross(p - q) / (lengths[2] * lengths[2]),
-    ];
-    let at_x = |a: DVec3, k: usize, l: usize| {
+    let log = |k: usize| normals[k].cross(across[k]) / (lengths[k] * lengths[k]);
+    for (a, k, l) in [(p, 1, 2), (q, 0, 2), (r, 0, 1)] {
         let e = x - a;
         let ratio = e.length() / (lengths[k] * lengths[l]);
         let sine = volume * ratio;
-        Piece { sine, gradient: -ratio * opposite + sine * (e / e.length_squared() - logs[k] - logs[l]) }
-    };
-    let across = |e: DVec3, k: usize| {
-        let ratio = e.length() / (lengths[k] * base);
+        if sine < limit {
+            let gradient = -ratio * opposite + sine * (e / e.length_squared() - log(k) - log(l));
+            take(Piece { sine, gradient });
+        }
+    }
+    for k in [2, 1, 0] {
+        let ratio = across[k].length() / (lengths[k] * base);
         let sine = volume * ratio;
-        Piece { sine, gradient: -ratio * opposite - sine * logs[k] }
-    };
-    [at_x(p, 1, 2), at_x(q, 0, 2), at_x(r, 0, 1), across(q - p, 2), across(r - p, 1), across(r - q, 0)]
+        if sine < limit {
+            take(Piece { sine, gradient: -ratio * opposite - sine * log(k) });
+        }
+    }
 }
 
 #[cfg(test)]
@@ -217,7 +216,12 @@ mod tests {
         let p = [DVec3::new(1.0, 0.1, 0.2), DVec3::new(0.3, 1.1, -0.1), DVec3::new(0.2, 0.4, 0.9)];
         let x = DVec3::new(-0.2, 0.1, 0.05);
         assert!(quality::volume([x, p[0], p[1], p[2]]) > 0.0);
-        let pieces = sines_with_gradients(x, p);
+        let pieces_at = |x: DVec3| {
+            let mut pieces = Vec::new();
+            sines_with_gradients(x, p, f64::INFINITY, |piece| pieces.push(piece));
+            pieces
+        };
+        let pieces = pieces_at(x);
         let mut sines: Vec<f64> = pieces.iter().map(|c| c.sine).collect();
         let mut expected = quality::dihedral_sines([x, p[0], p[1], p[2]]).to_vec();
         sines.sort_by(f64::total_cmp);
@@ -227,8 +231,8 @@ mod tests {
         }
         let h = 1e-6;
         for (axis, direction) in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().enumerate() {
-            let ahead = sines_with_gradients(x + h * direction, p);
-            let behind = sines_with_gradients(x - h * direction, p);
+            let ahead = pieces_at(x + h * direction);
+            let behind = pieces_at(x - h * direction);
             for i in 0..6 {
                 let slope = (ahead[i].sine - behind[i].sine) / (2.0 * h);
                 assert!((slope - pieces[i].gradient[axis]).abs() < 1e-8, "piece {i} axis {axis}");

@@ -3,6 +3,7 @@
 use super::super::improve::FaceFlip;
 use super::super::solid::Solid;
 use super::{Flips, OldMesh};
+use rayon::prelude::*;
 
 /// A flip is valid if its cells have sines above this: positive, and not by rounding alone.
 pub(super) const VALID: f64 = 1e-3;
@@ -10,11 +11,16 @@ pub(super) const VALID: f64 = 1e-3;
 /// Flips each old interior face between two refined cells where the result is valid.
 pub(super) fn flip_faces(solid: &mut Solid, old: &OldMesh) -> Flips<3> {
     let mut flips = Flips { done: 0, refused: Vec::new(), one_sided: old.border_faces.clone() };
-    for &face in &old.inner_faces {
-        if flip_face(solid, face, |_| VALID) {
-            flips.done += 1;
-        } else {
-            flips.refused.push(face);
+    // No two of these faces share a cell: a child of a split cell has one of its faces.
+    let is_valid = |face: &[u32; 3]| FaceFlip::of(solid, *face).is_some_and(|flip| flip.worst_sine(solid) > VALID);
+    let valid: Vec<bool> = old.inner_faces.par_iter().with_min_len(64).map(is_valid).collect();
+    for (&face, valid) in old.inner_faces.iter().zip(valid) {
+        match FaceFlip::of(solid, face).filter(|_| valid) {
+            Some(flip) => {
+                flip.perform(solid);
+                flips.done += 1;
+            }
+            None => flips.refused.push(face),
         }
     }
     flips

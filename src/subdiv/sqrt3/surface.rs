@@ -116,8 +116,8 @@ fn flip_edge(solid: &mut Solid, edge: [u32; 2], filling: &mut Filling, floor: im
     }
     let measure = Measure::BestWorst(floor(solid.worst_sine(&ring.cells)));
     match &parts {
-        Some(parts) => flip_interface(solid, edge, parts, &measure, filling),
-        None => remove_edge(solid, edge, &ring, &measure, filling),
+        Some(parts) => flip_interface(solid, edge, parts, measure, filling),
+        None => remove_edge(solid, edge, &ring, measure, filling),
     }
 }
 
