@@ -6,7 +6,7 @@
 use super::super::solid::Solid;
 use super::rest_of;
 use glam::DVec3;
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 use smallvec::SmallVec;
 
 /// Cells evaluated at a time.
@@ -27,9 +27,6 @@ pub(super) struct Fan {
 struct Block {
     rest: [[Lanes; 3]; 3],
 }
-
-/// What a cell contributes to the gradient of the sum.
-type Gradient = [Lanes; 3];
 
 impl Fan {
     /// Takes the cells at `v`.
@@ -54,57 +51,76 @@ impl Fan {
 
     /// Minimum sines of the cells, in the order of [`Solid::cells_at`], with the vertex at `x`.
     pub(super) fn sines(&self, x: DVec3) -> SmallVec<[f64; 32]> {
-        let mut sines = SmallVec::new();
-        self.arch.dispatch(|| self.blocks.iter().for_each(|block| sines.extend_from_slice(&block.sines(x))));
-        sines.truncate(self.cells);
-        sines
+        self.sines_above(x, f64::NEG_INFINITY)
     }
 
     /// Smallest minimum sine of the cells with the vertex at `x`; stops early below `enough`.
     pub(super) fn worst_sine(&self, x: DVec3, enough: f64) -> f64 {
-        self.arch.dispatch(|| {
-            let mut worst = f64::INFINITY;
-            for block in &self.blocks {
-                worst = block.sines(x).into_iter().fold(worst, least);
-                if worst < enough {
-                    break;
-                }
-            }
-            worst
-        })
+        self.sines_above(x, enough).into_iter().fold(f64::INFINITY, least)
     }
 
     /// Sum of the minimum sines with the vertex at `x`; minus infinity if one of them is below `floor`.
     pub(super) fn sum_above(&self, x: DVec3, floor: f64) -> f64 {
-        self.arch.dispatch(|| {
-            let mut sums = [0.0; LANES];
-            for (i, block) in self.blocks.iter().enumerate() {
-                let sines = block.sines(x);
-                if sines.into_iter().fold(f64::INFINITY, least) < floor {
-                    return f64::NEG_INFINITY;
-                }
-                for lane in 0..LANES.min(self.cells - i * LANES) {
-                    sums[lane] += sines[lane];
-                }
-            }
-            sums.into_iter().sum()
-        })
+        let sines = self.sines_above(x, floor);
+        if sines.iter().any(|sine| *sine < floor) { f64::NEG_INFINITY } else { sines.into_iter().sum() }
     }
 
     /// Gradient, with respect to the position `x` of the vertex, of the sum of the minimum sines.
     pub(super) fn gradient_of_sum(&self, x: DVec3) -> DVec3 {
-        self.arch.dispatch(|| {
-            let mut sums = [[0.0; LANES]; 3];
-            for (i, block) in self.blocks.iter().enumerate() {
-                let gradient = block.gradients(x);
-                for lane in 0..LANES.min(self.cells - i * LANES) {
-                    for axis in 0..3 {
-                        sums[axis][lane] += gradient[axis][lane];
-                    }
-                }
+        self.arch.dispatch(Gradients { fan: self, x })
+    }
+
+    /// Minimum sines as far as the first cells with one below `floor`.
+    fn sines_above(&self, x: DVec3, floor: f64) -> SmallVec<[f64; 32]> {
+        let mut sines = self.arch.dispatch(Sines { fan: self, x, floor });
+        sines.truncate(self.cells);
+        sines
+    }
+}
+
+/// [`Fan::sines_above`] for the processor at hand.
+struct Sines<'a> {
+    fan: &'a Fan,
+    x: DVec3,
+    floor: f64,
+}
+
+impl WithSimd for Sines<'_> {
+    type Output = SmallVec<[f64; 32]>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let mut sines = SmallVec::new();
+        for block in &self.fan.blocks {
+            let some = block.sines(self.x);
+            sines.extend_from_slice(&some);
+            if some.into_iter().fold(f64::INFINITY, least) < self.floor {
+                break;
             }
-            DVec3::from_array(sums.map(|lanes| lanes.into_iter().sum()))
-        })
+        }
+        sines
+    }
+}
+
+/// [`Fan::gradient_of_sum`] for the processor at hand.
+struct Gradients<'a> {
+    fan: &'a Fan,
+    x: DVec3,
+}
+
+impl WithSimd for Gradients<'_> {
+    type Output = DVec3;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> DVec3 {
+        let mut sums = [DVec3::ZERO; LANES];
+        for (i, block) in self.fan.blocks.iter().enumerate() {
+            let gradients = block.gradients(self.x);
+            for (sum, gradient) in sums.iter_mut().zip(gradients).take(self.fan.cells - i * LANES) {
+                *sum += gradient;
+            }
+        }
+        sums.into_iter().sum()
     }
 }
 
@@ -118,7 +134,7 @@ impl Block {
     #[inline(always)]
     fn sines(&self, x: DVec3) -> Lanes {
         let mut sines = [0.0; LANES];
-        for lane in 0..LANES {
+        for (lane, sine) in sines.iter_mut().enumerate() {
             let [p, q, r] = [0, 1, 2].map(|corner| self.corner(corner, lane));
             let (ep, eq, er, pq, pr, qr) = (p - x, q - x, r - x, q - p, r - p, r - q);
             let base = pq.cross(pr);
@@ -132,7 +148,7 @@ impl Block {
                 ),
                 least(pr.length_squared() * (np * nr), qr.length_squared() * (nq * nr)),
             );
-            sines[lane] = six_volumes * (most / (nx * np) / (nq * nr)).sqrt();
+            *sine = six_volumes * (most / (nx * np) / (nq * nr)).sqrt();
         }
         sines
     }
@@ -140,9 +156,9 @@ impl Block {
     /// Gradients of the minimum sines: from s = 6 V |e| / (|M| |N|) by logarithmic differentiation, with
     /// `d ln |N| = N x (w - u) / |N|^2` for N = (u - x) x (w - x).
     #[inline(always)]
-    fn gradients(&self, x: DVec3) -> Gradient {
-        let mut gradients = [[0.0; LANES]; 3];
-        for lane in 0..LANES {
+    fn gradients(&self, x: DVec3) -> [DVec3; LANES] {
+        let mut gradients = [DVec3::ZERO; LANES];
+        for (lane, gradient) in gradients.iter_mut().enumerate() {
             let [p, q, r] = [0, 1, 2].map(|corner| self.corner(corner, lane));
             let (ep, eq, er, pq, pr, qr) = (p - x, q - x, r - x, q - p, r - p, r - q);
             let base = pq.cross(pr);
@@ -168,10 +184,7 @@ impl Block {
                     DVec3::new(choose(log.x, smallest.1.x), choose(log.y, smallest.1.y), choose(log.z, smallest.1.z)),
                 );
             }
-            let gradient = smallest.0.sqrt() * (six_volumes * smallest.1 - base);
-            for axis in 0..3 {
-                gradients[axis][lane] = gradient[axis];
-            }
+            *gradient = smallest.0.sqrt() * (six_volumes * smallest.1 - base);
         }
         gradients
     }

@@ -88,11 +88,11 @@ impl Improver {
             // Edges whose rings are other than the proposals saw.
             let mut changed = FxHashSet::default();
             for (edge, promising) in block {
-                if promising || changed.contains(&edge) {
-                    if let Some(ring) = self.improve_edge(solid, edge) {
-                        changed.extend(pairs(edge, &ring));
-                        removed += 1;
-                    }
+                if (promising || changed.contains(&edge))
+                    && let Some(ring) = self.improve_edge(solid, edge)
+                {
+                    changed.extend(pairs(edge, &ring));
+                    removed += 1;
                 }
             }
         });
