@@ -175,21 +175,14 @@ fn fill(solid: &mut Solid, [a, b]: [u32; 2], ring: &Ring, triangles: &[[usize; 3
 }
 
 /// Finds the filling by which [`remove_edge`] would remove the edge; true if there is one.
-pub(super) fn can_remove(
-    solid: &Solid,
-    edge: [u32; 2],
-    ring: &Ring,
-    measure: Measure,
-    filling: &mut Filling,
-) -> bool {
+pub(super) fn can_remove(solid: &Solid, edge: [u32; 2], ring: &Ring, measure: Measure, filling: &mut Filling) -> bool {
     may_replace(solid, edge, ring) && filling.solve(solid, edge, &ring.vertices, measure)
 }
 
 /// True if the topology allows the ring to be filled again without the edge.
 pub(super) fn may_replace(solid: &Solid, edge: [u32; 2], ring: &Ring) -> bool {
     let region = solid.tag(ring.cells[0]).region;
-    ring.cells.iter().all(|&t| solid.tag(t).region == region)
-        && (ring.closed || chord_is_free(solid, edge, ring))
+    ring.cells.iter().all(|&t| solid.tag(t).region == region) && (ring.closed || chord_is_free(solid, edge, ring))
 }
 
 /// A surface edge may be replaced by the chord if the chord is not an edge yet and both ends keep at least two cells of

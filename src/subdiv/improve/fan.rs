@@ -1,51 +1,28 @@
 //! The cells around a vertex laid out for the vector units of the processor, to try positions of the vertex quickly.
 //!
 //! Sines are those of [`crate::mesh::quality::min_sine`] up to rounding; of cells that are not positive only the sign is
-//! right. Whatever instructions the processor has, the operations and their order are the same, so the bits are too.
+//! right.
 
 use super::super::solid::Solid;
+use super::lanes::{Block, Blocks, LANES, Lanes, least};
 use super::rest_of;
 use glam::DVec3;
 use pulp::{Arch, Simd, WithSimd};
 use smallvec::SmallVec;
 
-/// Cells evaluated at a time.
-const LANES: usize = 4;
-
-type Lanes = [f64; LANES];
-
 /// The cells (v, p, q, r), positive, around a vertex v.
 #[derive(Default)]
 pub(super) struct Fan {
-    blocks: Vec<Block>,
-    cells: usize,
+    blocks: Blocks,
     arch: Arch,
-}
-
-/// Some of the cells, coordinate by coordinate.
-#[derive(Clone, Copy, Default)]
-struct Block {
-    rest: [[Lanes; 3]; 3],
 }
 
 impl Fan {
     /// Takes the cells at `v`.
     pub(super) fn gather(&mut self, solid: &Solid, v: u32) {
-        let cells = solid.cells_at(v);
-        self.cells = cells.len();
         self.blocks.clear();
-        for some in cells.chunks(LANES) {
-            let mut block = Block::default();
-            for lane in 0..LANES {
-                // The last cell fills what is left over.
-                let t = some[lane.min(some.len() - 1)];
-                for (corner, w) in rest_of(solid.tet(t), v).into_iter().enumerate() {
-                    for (axis, x) in solid.point(w).to_array().into_iter().enumerate() {
-                        block.rest[corner][axis][lane] = x;
-                    }
-                }
-            }
-            self.blocks.push(block);
+        for &t in solid.cells_at(v) {
+            self.blocks.push(rest_of(solid.tet(t), v).map(|w| solid.point(w)));
         }
     }
 
@@ -73,7 +50,7 @@ impl Fan {
     /// Minimum sines as far as the first cells with one below `floor`.
     fn sines_above(&self, x: DVec3, floor: f64) -> SmallVec<[f64; 32]> {
         let mut sines = self.arch.dispatch(Sines { fan: self, x, floor });
-        sines.truncate(self.cells);
+        sines.truncate(self.blocks.len());
         sines
     }
 }
@@ -90,15 +67,15 @@ impl WithSimd for Sines<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
-        let mut sines = SmallVec::new();
-        for block in &self.fan.blocks {
-            let some = block.sines(self.x);
-            sines.extend_from_slice(&some);
+        let mut all = SmallVec::new();
+        for block in self.fan.blocks.iter() {
+            let some = sines(block, self.x);
+            all.extend_from_slice(&some);
             if some.into_iter().fold(f64::INFINITY, least) < self.floor {
                 break;
             }
         }
-        sines
+        all
     }
 }
 
@@ -115,8 +92,8 @@ impl WithSimd for Gradients<'_> {
     fn with_simd<S: Simd>(self, _: S) -> DVec3 {
         let mut sums = [DVec3::ZERO; LANES];
         for (i, block) in self.fan.blocks.iter().enumerate() {
-            let gradients = block.gradients(self.x);
-            for (sum, gradient) in sums.iter_mut().zip(gradients).take(self.fan.cells - i * LANES) {
+            let gradients = gradients(block, self.x);
+            for (sum, gradient) in sums.iter_mut().zip(gradients).take(self.fan.blocks.len() - i * LANES) {
                 *sum += gradient;
             }
         }
@@ -124,76 +101,62 @@ impl WithSimd for Gradients<'_> {
     }
 }
 
-impl Block {
-    #[inline(always)]
-    fn corner(&self, corner: usize, lane: usize) -> DVec3 {
-        let [x, y, z] = &self.rest[corner];
-        DVec3::new(x[lane], y[lane], z[lane])
+#[inline(always)]
+fn sines(block: &Block, x: DVec3) -> Lanes {
+    let mut sines = [0.0; LANES];
+    for (lane, sine) in sines.iter_mut().enumerate() {
+        let [p, q, r] = block.corners(lane);
+        let (ep, eq, er, pq, pr, qr) = (p - x, q - x, r - x, q - p, r - p, r - q);
+        let base = pq.cross(pr);
+        let six_volumes = base.dot(ep);
+        // The faces opposite to x, p, q, r.
+        let [nx, np, nq, nr] = [base, eq.cross(er), ep.cross(er), ep.cross(eq)].map(DVec3::length_squared);
+        let most = least(
+            least(
+                least(ep.length_squared() * (nx * np), eq.length_squared() * (nx * nq)),
+                least(er.length_squared() * (nx * nr), pq.length_squared() * (np * nq)),
+            ),
+            least(pr.length_squared() * (np * nr), qr.length_squared() * (nq * nr)),
+        );
+        *sine = six_volumes * (most / (nx * np) / (nq * nr)).sqrt();
     }
-
-    #[inline(always)]
-    fn sines(&self, x: DVec3) -> Lanes {
-        let mut sines = [0.0; LANES];
-        for (lane, sine) in sines.iter_mut().enumerate() {
-            let [p, q, r] = [0, 1, 2].map(|corner| self.corner(corner, lane));
-            let (ep, eq, er, pq, pr, qr) = (p - x, q - x, r - x, q - p, r - p, r - q);
-            let base = pq.cross(pr);
-            let six_volumes = base.dot(ep);
-            // The faces opposite to x, p, q, r.
-            let [nx, np, nq, nr] = [base, eq.cross(er), ep.cross(er), ep.cross(eq)].map(DVec3::length_squared);
-            let most = least(
-                least(
-                    least(ep.length_squared() * (nx * np), eq.length_squared() * (nx * nq)),
-                    least(er.length_squared() * (nx * nr), pq.length_squared() * (np * nq)),
-                ),
-                least(pr.length_squared() * (np * nr), qr.length_squared() * (nq * nr)),
-            );
-            *sine = six_volumes * (most / (nx * np) / (nq * nr)).sqrt();
-        }
-        sines
-    }
-
-    /// Gradients of the minimum sines: from s = 6 V |e| / (|M| |N|) by logarithmic differentiation, with
-    /// `d ln |N| = N x (w - u) / |N|^2` for N = (u - x) x (w - x).
-    #[inline(always)]
-    fn gradients(&self, x: DVec3) -> [DVec3; LANES] {
-        let mut gradients = [DVec3::ZERO; LANES];
-        for (lane, gradient) in gradients.iter_mut().enumerate() {
-            let [p, q, r] = [0, 1, 2].map(|corner| self.corner(corner, lane));
-            let (ep, eq, er, pq, pr, qr) = (p - x, q - x, r - x, q - p, r - p, r - q);
-            let base = pq.cross(pr);
-            let six_volumes = base.dot(ep);
-            let (fp, fq, fr) = (er.cross(eq), ep.cross(er), eq.cross(ep));
-            let [ix, ip, iq, ir] = [base, fp, fq, fr].map(|n| 1.0 / n.length_squared());
-            let (lp, lq, lr) = (fp.cross(-qr) * ip, fq.cross(pr) * iq, fr.cross(-pq) * ir);
-            let (sp, sq, sr) = (ep.length_squared(), eq.length_squared(), er.length_squared());
-            // The square of |e| / (|M| |N|), and the gradient of its logarithm.
-            let mut smallest = (sp * (iq * ir), -ep / sp - lq - lr);
-            let others = [
-                (sq * (ip * ir), -eq / sq - lp - lr),
-                (sr * (ip * iq), -er / sr - lp - lq),
-                (pq.length_squared() * (ix * ir), -lr),
-                (pr.length_squared() * (ix * iq), -lq),
-                (qr.length_squared() * (ix * ip), -lp),
-            ];
-            for (ratio, log) in others {
-                let smaller = ratio < smallest.0;
-                let choose = |new: f64, old: f64| if smaller { new } else { old };
-                smallest = (
-                    choose(ratio, smallest.0),
-                    DVec3::new(choose(log.x, smallest.1.x), choose(log.y, smallest.1.y), choose(log.z, smallest.1.z)),
-                );
-            }
-            *gradient = smallest.0.sqrt() * (six_volumes * smallest.1 - base);
-        }
-        gradients
-    }
+    sines
 }
 
-/// The smaller of two numbers, in one instruction.
+/// Gradients of the minimum sines: from s = 6 V |e| / (|M| |N|) by logarithmic differentiation, with
+/// `d ln |N| = N x (w - u) / |N|^2` for N = (u - x) x (w - x).
 #[inline(always)]
-fn least(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
+fn gradients(block: &Block, x: DVec3) -> [DVec3; LANES] {
+    let mut gradients = [DVec3::ZERO; LANES];
+    for (lane, gradient) in gradients.iter_mut().enumerate() {
+        let [p, q, r] = block.corners(lane);
+        let (ep, eq, er, pq, pr, qr) = (p - x, q - x, r - x, q - p, r - p, r - q);
+        let base = pq.cross(pr);
+        let six_volumes = base.dot(ep);
+        let (fp, fq, fr) = (er.cross(eq), ep.cross(er), eq.cross(ep));
+        let [ix, ip, iq, ir] = [base, fp, fq, fr].map(|n| 1.0 / n.length_squared());
+        let (lp, lq, lr) = (fp.cross(-qr) * ip, fq.cross(pr) * iq, fr.cross(-pq) * ir);
+        let (sp, sq, sr) = (ep.length_squared(), eq.length_squared(), er.length_squared());
+        // The square of |e| / (|M| |N|), and the gradient of its logarithm.
+        let mut smallest = (sp * (iq * ir), -ep / sp - lq - lr);
+        let others = [
+            (sq * (ip * ir), -eq / sq - lp - lr),
+            (sr * (ip * iq), -er / sr - lp - lq),
+            (pq.length_squared() * (ix * ir), -lr),
+            (pr.length_squared() * (ix * iq), -lq),
+            (qr.length_squared() * (ix * ip), -lp),
+        ];
+        for (ratio, log) in others {
+            let smaller = ratio < smallest.0;
+            let choose = |new: f64, old: f64| if smaller { new } else { old };
+            smallest = (
+                choose(ratio, smallest.0),
+                DVec3::new(choose(log.x, smallest.1.x), choose(log.y, smallest.1.y), choose(log.z, smallest.1.z)),
+            );
+        }
+        *gradient = smallest.0.sqrt() * (six_volumes * smallest.1 - base);
+    }
+    gradients
 }
 
 #[cfg(test)]

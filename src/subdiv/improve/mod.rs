@@ -6,6 +6,7 @@ pub(super) mod error;
 mod face_flip;
 mod fan;
 mod freedom;
+mod lanes;
 mod mean;
 mod measured;
 mod multi_face;

@@ -2,8 +2,8 @@
 
 use super::super::parallel::{select, vertices_of};
 use super::super::rest_of;
-use super::lanes::Fan;
 use super::weight;
+use super::weighted::Fan;
 use crate::subdiv::solid::Solid;
 use smallvec::SmallVec;
 

@@ -12,6 +12,7 @@
 //!
 //! Everything here is free of branches, so that loops over cells become vector instructions.
 
+use super::super::lanes::least;
 use glam::DVec3;
 
 /// The cost of the tetrahedron; infinite unless its volume is positive.
@@ -109,12 +110,6 @@ impl Shape {
         let area = f.cross(g) + g.cross(e) + e.cross(f);
         -((2.0 * ta + th + ti) * e + (2.0 * tb + td + ti) * f + (2.0 * tc + td + th) * g + by_volume * area)
     }
-}
-
-/// The smaller of two numbers, as one instruction.
-#[inline(always)]
-fn least(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! The filling of an edge's ring without the edge that costs least: Klincsek's dynamic program over the triangulations of
 //! the link polygon (see [`super::super::edge_removal`]), with the cells of all polygons of one size evaluated at once.
 
-use super::lanes::Batch;
 use super::weight;
+use super::weighted::Batch;
 use crate::subdiv::solid::{Ring, Solid};
 
 /// Rings longer than this are left alone: the dynamic program is cubic.

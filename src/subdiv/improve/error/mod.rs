@@ -9,8 +9,8 @@
 mod contract;
 mod cost;
 mod filling;
-mod lanes;
 mod relocate;
+mod weighted;
 
 use super::edge_removal::{may_replace, replace_ring};
 use super::freedom::freedoms;
@@ -21,8 +21,8 @@ use crate::subdiv::solid::Solid;
 use contract::contract;
 pub use cost::cost;
 use filling::Filling;
-use lanes::Fan;
 use rayon::prelude::*;
+use weighted::Fan;
 
 /// Sine of 15 degrees: cells at least this good stay so.
 const FLOOR: f64 = 0.258_819_045_102_520_74;

@@ -3,8 +3,8 @@
 use super::super::super::solid::Solid;
 use super::super::freedom::Freedom;
 use super::super::rest_of;
-use super::lanes::Fan;
 use super::weight;
+use super::weighted::Fan;
 use glam::{DMat3, DVec3};
 
 /// A move must lower the cost of the cells around by this share.

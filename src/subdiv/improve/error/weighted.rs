@@ -1,111 +1,84 @@
-//! Many cells at once: coordinates side by side, so that one instruction works on several cells.
-//!
-//! Only element-wise operations and sums in a fixed order: results do not depend on the instruction set.
+//! Costs of many cells at once.
 
+use super::super::lanes::{Block, Blocks, LANES, Lanes, least};
 use super::cost::Shape;
 use glam::DVec3;
 use pulp::Arch;
 
-/// Cells in a block.
-const LANES: usize = 8;
-
-type Lane = [f64; LANES];
-
-/// Corners of up to [`LANES`] cells, except their first ones.
-#[derive(Clone, Copy)]
-struct Block {
-    /// x, y, z of the three corners.
-    corners: [[Lane; 3]; 3],
-    weights: Lane,
-}
-
-impl Block {
-    #[inline(always)]
-    fn corner(&self, k: usize, lane: usize) -> DVec3 {
-        DVec3::new(self.corners[k][0][lane], self.corners[k][1][lane], self.corners[k][2][lane])
-    }
-
-    fn set(&mut self, lane: usize, corners: [DVec3; 3], weight: f64) {
-        for (k, p) in corners.into_iter().enumerate() {
-            for (i, x) in p.to_array().into_iter().enumerate() {
-                self.corners[k][i][lane] = x;
-            }
-        }
-        self.weights[lane] = weight;
-    }
-}
-
-/// Blocks that are filled cell by cell.
+/// Blocks of cells with a weight each; lanes that hold no cell have none.
 #[derive(Default)]
-struct Blocks {
-    blocks: Vec<Block>,
-    len: usize,
+struct Weighted {
+    blocks: Blocks,
+    weights: Vec<Lanes>,
 }
 
-impl Blocks {
+impl Weighted {
     fn clear(&mut self) {
         self.blocks.clear();
-        self.len = 0;
+        self.weights.clear();
     }
 
-    /// Adds a cell. Lanes not filled yet hold a copy of it without weight.
     fn push(&mut self, corners: [DVec3; 3], weight: f64) {
-        let lane = self.len % LANES;
+        let lane = self.blocks.len() % LANES;
+        self.blocks.push(corners);
         if lane == 0 {
-            let corners = corners.map(|p| p.to_array().map(|x| [x; LANES]));
-            self.blocks.push(Block { corners, weights: [0.0; LANES] });
+            self.weights.push([0.0; LANES]);
         }
-        if let Some(block) = self.blocks.last_mut() {
-            block.set(lane, corners, weight);
+        if let Some(weights) = self.weights.last_mut() {
+            weights[lane] = weight;
         }
-        self.len += 1;
+    }
+
+    #[inline(always)]
+    fn iter(&self) -> impl Iterator<Item = (&Block, &Lanes)> {
+        self.blocks.iter().zip(&self.weights)
     }
 }
 
 /// Weighted cells around one vertex, whose place is varied.
 #[derive(Default)]
 pub(super) struct Fan {
-    blocks: Blocks,
+    cells: Weighted,
 }
 
 impl Fan {
     pub(super) fn clear(&mut self) {
-        self.blocks.clear();
+        self.cells.clear();
     }
 
     /// Adds a cell by its corners other than the vertex, in the order that makes (vertex, corners) positive.
     pub(super) fn push(&mut self, corners: [DVec3; 3], weight: f64) {
-        self.blocks.push(corners, weight);
+        self.cells.push(corners, weight);
     }
 
     /// Weighted cost and its gradient with the vertex at each of the places; of no meaning unless all cells are positive
     /// there.
     pub(super) fn gradients<const N: usize>(&self, places: [DVec3; N]) -> [(f64, DVec3); N] {
-        let blocks = &self.blocks.blocks[..];
+        let cells = &self.cells;
         Arch::new().dispatch(
             #[inline(always)]
-            || places.map(|p| gradient(blocks, p)),
+            || places.map(|p| gradient(cells, p)),
         )
     }
 
     /// Weighted cost (infinite unless all cells are positive) and smallest sine of the dihedral angles with the vertex at
     /// `p`.
     pub(super) fn cost_and_sine(&self, p: DVec3) -> (f64, f64) {
-        let blocks = &self.blocks.blocks[..];
+        let cells = &self.cells;
         Arch::new().dispatch(
             #[inline(always)]
-            || cost_and_sine(blocks, p),
+            || cost_and_sine(cells, p),
         )
     }
 }
 
 #[inline(always)]
-fn gradient(blocks: &[Block], p: DVec3) -> (f64, DVec3) {
+fn gradient(cells: &Weighted, p: DVec3) -> (f64, DVec3) {
     let mut sums = [[0.0; LANES]; 4];
-    for block in blocks {
+    for (block, weights) in cells.iter() {
         for lane in 0..LANES {
-            let shape = Shape::new([0, 1, 2].map(|k| block.corner(k, lane) - p));
-            let (weight, gradient) = (block.weights[lane], shape.gradient());
+            let shape = Shape::new(block.corners(lane).map(|q| q - p));
+            let (weight, gradient) = (weights[lane], shape.gradient());
             sums[0][lane] += weight * shape.cost();
             sums[1][lane] += weight * gradient.x;
             sums[2][lane] += weight * gradient.y;
@@ -117,40 +90,40 @@ fn gradient(blocks: &[Block], p: DVec3) -> (f64, DVec3) {
 }
 
 #[inline(always)]
-fn cost_and_sine(blocks: &[Block], p: DVec3) -> (f64, f64) {
-    let (mut sums, mut least) = ([0.0; LANES], [f64::INFINITY; LANES]);
+fn cost_and_sine(cells: &Weighted, p: DVec3) -> (f64, f64) {
+    let (mut sums, mut smallest) = ([0.0; LANES], [f64::INFINITY; LANES]);
     let mut flat = [false; LANES];
-    for block in blocks {
+    for (block, weights) in cells.iter() {
         for lane in 0..LANES {
-            let shape = Shape::new([0, 1, 2].map(|k| block.corner(k, lane) - p));
+            let shape = Shape::new(block.corners(lane).map(|q| q - p));
             let (volume, sine) = (shape.six_volumes, shape.squared_sine());
-            sums[lane] += block.weights[lane] * shape.cost();
-            least[lane] = if sine < least[lane] { sine } else { least[lane] };
+            sums[lane] += weights[lane] * shape.cost();
+            smallest[lane] = least(sine, smallest[lane]);
             flat[lane] |= volume <= 0.0;
         }
     }
     let cost = if flat.contains(&true) { f64::INFINITY } else { sums.iter().sum() };
-    (cost, least.iter().copied().fold(f64::INFINITY, f64::min).sqrt())
+    (cost, smallest.iter().copied().fold(f64::INFINITY, f64::min).sqrt())
 }
 
 /// Cells of any corners, each with its own result.
 #[derive(Default)]
 pub(super) struct Batch {
-    first: Vec<[Lane; 3]>,
-    blocks: Blocks,
+    first: Vec<[Lanes; 3]>,
+    rest: Weighted,
     /// Weighted costs and squared sines.
-    results: Vec<[Lane; 2]>,
+    results: Vec<[Lanes; 2]>,
 }
 
 impl Batch {
     pub(super) fn clear(&mut self) {
         self.first.clear();
-        self.blocks.clear();
+        self.rest.clear();
     }
 
     /// Adds a cell.
     pub(super) fn push(&mut self, [p, corners @ ..]: [DVec3; 4], weight: f64) {
-        let lane = self.blocks.len % LANES;
+        let lane = self.rest.blocks.len() % LANES;
         if lane == 0 {
             self.first.push(p.to_array().map(|x| [x; LANES]));
         }
@@ -159,21 +132,21 @@ impl Batch {
                 first[i][lane] = x;
             }
         }
-        self.blocks.push(corners, weight);
+        self.rest.push(corners, weight);
     }
 
     /// Computes all cells.
     pub(super) fn evaluate(&mut self) {
-        let Self { first, blocks, results } = self;
+        let Self { first, rest, results } = self;
         results.resize(first.len(), [[0.0; LANES]; 2]);
         Arch::new().dispatch(
             #[inline(always)]
             || {
-                for ((first, block), result) in first.iter().zip(&blocks.blocks).zip(results) {
+                for ((first, (block, weights)), result) in first.iter().zip(rest.iter()).zip(results) {
                     for lane in 0..LANES {
                         let p = DVec3::new(first[0][lane], first[1][lane], first[2][lane]);
-                        let shape = Shape::new([0, 1, 2].map(|k| block.corner(k, lane) - p));
-                        result[0][lane] = block.weights[lane] * shape.cost();
+                        let shape = Shape::new(block.corners(lane).map(|q| q - p));
+                        result[0][lane] = weights[lane] * shape.cost();
                         result[1][lane] = shape.squared_sine();
                     }
                 }
