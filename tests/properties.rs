@@ -152,11 +152,11 @@ fn select(mesh: &TetMesh, selection: Selection) -> Vec<bool> {
         .map(|t| match selection {
             Selection::All => true,
             Selection::Nothing => false,
-            Selection::Scattered(seed, n) => hash(t, seed) % n == 0,
+            Selection::Scattered(seed, n) => hash(t, seed).is_multiple_of(n),
             Selection::AtVertex(v) => mesh.tets()[t].contains(&(at(v) as u32)),
             Selection::Ball(v, radius) => centre(mesh, t).distance(mesh.points()[at(v)]) < radius,
             Selection::Boundary(seed) => {
-                hash(t, seed) % 3 > 0
+                !hash(t, seed).is_multiple_of(3)
                     && topology::tet_faces(mesh.tets()[t]).iter().any(|f| surface.contains_key(&topology::sorted3(*f)))
             }
         })
