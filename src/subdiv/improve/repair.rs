@@ -9,7 +9,7 @@ use crate::mesh::topology;
 use crate::subdiv::Stencil;
 
 /// Rounds of edge removal and smoothing around a new vertex.
-const ROUNDS: usize = 3;
+const ROUNDS: usize = 4;
 
 /// Edges of a cell that are tried, the longest.
 const EDGES: usize = 6;
@@ -61,15 +61,12 @@ impl Quality {
         let m = make(solid);
         self.freedoms.push(freedom(solid, m, &[]));
         let good = (old + AHEAD).min(self.goal);
-        let mut worst = f64::NEG_INFINITY;
         for _ in 0..ROUNDS {
             let mut cells = solid.cells_in_trial();
             cells.retain(|&t| solid.sine(t) < good);
-            let now = solid.worst_sine(&cells);
-            if cells.is_empty() || now <= worst {
+            if cells.is_empty() {
                 break;
             }
-            worst = now;
             self.improve_around(solid, m, cells, good);
         }
         let better = solid.cells_in_trial().iter().all(|&t| solid.sine(t) > old + GAIN);
