@@ -94,7 +94,9 @@ fn refine(step: &Step<'_>, history: &History, plan: &Plan<'_>, input: usize) -> 
     }
     let weights = subdiv::vertex_weights(step.mesh, &step.analysed.errors.squared);
     let weights = subdiv::carry_over(&weights, &refined.transfer);
-    let optimised = subdiv::optimise_error(&refined.mesh, &weights, options.optimise.passes, input)?;
+    // What global refinement added stays, worth its price or not: it is asked for everywhere.
+    let first = if plan.strategy == Strategy::Global { refined.mesh.points().len() } else { input };
+    let optimised = subdiv::optimise_error(&refined.mesh, &weights, options.optimise.passes, first)?;
     Ok((optimised.mesh, refined.history.renumbered(&optimised.kept)))
 }
 

@@ -7,6 +7,13 @@ use super::weighted::Fan;
 use crate::subdiv::solid::Solid;
 use smallvec::SmallVec;
 
+/// Vertices whose cells cost more than this many prices are not looked at: that is what the cells of a vertex cost in the
+/// mean, and where they cost more a vertex is hardly ever worth less than its price.
+const DEAR: f64 = 6.0;
+
+/// Neighbours into which a vertex may be pulled, the nearest: others are hardly ever better.
+const NEAREST: usize = 4;
+
 /// Removes vertices with numbers from `first` on where that raises the weighted cost by less than `price`, and leaves no
 /// cell below both `floor` and the worst of those that go; returns how many went.
 pub(super) fn contract(
@@ -35,14 +42,14 @@ pub(super) fn contract(
 /// The cells around v fill a polyhedron; those that come fill it too if they are all positive, so the mesh stays
 /// conforming.
 fn cheapest(fan: &mut Fan, solid: &Solid, weights: &[f64], v: u32, (price, floor): (f64, f64)) -> Option<u32> {
-    let cells = solid.cells_at(v);
-    let mut around: SmallVec<[u32; 64]> = cells.iter().flat_map(|&t| solid.tet(t)).filter(|&w| w != v).collect();
-    around.sort_unstable();
-    around.dedup();
     gather(fan, solid, weights, v, v);
-    let floor = floor.min(solid.worst_sine(cells));
-    let mut least = (fan.cost_and_sine(solid.point(v)).0 + price, None);
-    for b in around {
+    let now = fan.cost_and_sine(solid.point(v)).0;
+    if now > DEAR * price {
+        return None;
+    }
+    let floor = floor.min(solid.worst_sine(solid.cells_at(v)));
+    let mut least = (now + price, None);
+    for b in nearest(solid, v) {
         gather(fan, solid, weights, v, b);
         let (cost, sine) = fan.cost_and_sine(solid.point(b));
         if cost < least.0 && sine >= floor {
@@ -50,6 +57,18 @@ fn cheapest(fan: &mut Fan, solid: &Solid, weights: &[f64], v: u32, (price, floor
         }
     }
     least.1
+}
+
+/// The nearest neighbours of `v`.
+fn nearest(solid: &Solid, v: u32) -> SmallVec<[u32; 64]> {
+    let mut around: SmallVec<[u32; 64]> =
+        solid.cells_at(v).iter().flat_map(|&t| solid.tet(t)).filter(|&w| w != v).collect();
+    around.sort_unstable();
+    around.dedup();
+    let distance = |w: &u32| solid.point(*w).distance_squared(solid.point(v));
+    around.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+    around.truncate(NEAREST);
+    around
 }
 
 /// Collects the cells at `v`, except those at `b` too, with the weights that they have once `v` is pulled into `b`.
