@@ -9,7 +9,7 @@ pub mod quality;
 pub mod read;
 pub mod topology;
 
-pub use error::{MeshError, Victim};
+pub use error::{MeshError, Place, Victim};
 
 use glam::DVec3;
 
