@@ -40,13 +40,19 @@ pub fn edges(tets: &[[u32; 4]]) -> Vec<[u32; 2]> {
         ends[starts[a as usize] as usize] = b;
         starts[a as usize] += 1;
     }
-    let mut edges = Vec::new();
-    let mut begin = 0;
     // Each start has moved to the end of its row.
-    for (a, &end) in (0..).zip(&starts[..rows]) {
+    let mut begin = 0;
+    let mut count = 0;
+    for &end in &starts[..rows] {
         let row = &mut ends[begin..end as usize];
         row.sort_unstable();
-        edges.extend(row.chunk_by(|x, y| x == y).map(|same| [a, same[0]]));
+        count += row.chunk_by(|x, y| x == y).count();
+        begin = end as usize;
+    }
+    let mut edges = Vec::with_capacity(count);
+    begin = 0;
+    for (a, &end) in (0..).zip(&starts[..rows]) {
+        edges.extend(ends[begin..end as usize].chunk_by(|x, y| x == y).map(|same| [a, same[0]]));
         begin = end as usize;
     }
     edges

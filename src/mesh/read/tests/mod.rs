@@ -1,7 +1,9 @@
 //! Tests of the readers: real input, agreement of the formats; faults and random damage have files of their own.
 
+mod abaqus;
 mod damage;
 mod faults;
+mod formats;
 
 use super::*;
 use crate::mesh::{GroupId, RegionId, features::face_normal};
