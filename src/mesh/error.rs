@@ -23,6 +23,35 @@ impl std::fmt::Display for Victim {
     }
 }
 
+/// Where in a file something stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// Line of a text, from 1.
+    Line(usize),
+    /// Byte of a file that is not all text, from 0.
+    Byte(usize),
+}
+
+impl Place {
+    /// The place in words.
+    #[must_use]
+    pub fn named(self) -> String {
+        match self {
+            Self::Line(line) => format!("line {line}"),
+            Self::Byte(byte) => format!("byte {byte}"),
+        }
+    }
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Line(line) => write!(f, "{line}"),
+            Self::Byte(byte) => write!(f, "byte {byte}"),
+        }
+    }
+}
+
 /// Why a mesh cannot be used.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum MeshError {
@@ -37,14 +66,14 @@ pub enum MeshError {
         /// Where it was looked for, and what to do.
         help: String,
     },
-    /// The file's text is not what its format asks for.
-    #[error("{path}:{line}: {message}", path = path.display())]
+    /// The file's content is not what its format asks for.
+    #[error("{path}:{at}: {message}", path = path.display())]
     #[diagnostic(help("{help}"))]
     Syntax {
         /// The file.
         path: PathBuf,
-        /// Line number from 1.
-        line: usize,
+        /// Line or byte.
+        at: Place,
         /// What was expected and what was found.
         message: String,
         /// What to do.
@@ -52,7 +81,10 @@ pub enum MeshError {
     },
     /// The format is not known.
     #[error("{path}: not a mesh this program reads: {message}", path = path.display())]
-    #[diagnostic(help("read: GiD ASCII (.msh), Gmsh MSH 2.2 and 4.1 ASCII (.msh); Gmsh or meshio convert others"))]
+    #[diagnostic(help(
+        "read: Gmsh MSH 2.2 and 4.1 (.msh), Abaqus and CalculiX (.inp), MEDIT (.mesh), VTK (.vtk, .vtu), GiD (.msh); \
+         Gmsh or meshio convert others"
+    ))]
     UnknownFormat {
         /// The file.
         path: PathBuf,
@@ -98,13 +130,13 @@ pub enum MeshError {
         count: usize,
     },
     /// Cells without positive volume in a file.
-    #[error("{path}:{line}: {worst}: volume {volume:.3e} is not positive beyond rounding ({count} such cells)", path = path.display())]
+    #[error("{path}:{at}: {worst}: volume {volume:.3e} is not positive beyond rounding ({count} such cells)", path = path.display())]
     #[diagnostic(help("the worst cell is named; repair the mesh (Gmsh: Mesh.Optimize) or its node order"))]
     NotPositiveIn {
         /// The file.
         path: PathBuf,
-        /// Line of the cell with the smallest volume.
-        line: usize,
+        /// Where the cell with the smallest volume stands.
+        at: Place,
         /// That cell, with the ids of the file.
         worst: Victim,
         /// Its volume.

@@ -10,7 +10,7 @@ pub mod read;
 pub mod surface;
 pub mod topology;
 
-pub use error::{MeshError, Victim};
+pub use error::{MeshError, Place, Victim};
 
 use glam::DVec3;
 

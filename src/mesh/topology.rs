@@ -32,10 +32,30 @@ pub fn tet_edges(t: [u32; 4]) -> [[u32; 2]; 6] {
 /// All edges of the cells, sorted, each once.
 #[must_use]
 pub fn edges(tets: &[[u32; 4]]) -> Vec<[u32; 2]> {
-    let mut all: Vec<[u32; 2]> = tets.iter().flat_map(|&t| tet_edges(t)).collect();
-    all.sort_unstable();
-    all.dedup();
-    all
+    let rows = tets.iter().flatten().max().map_or(0, |&v| v as usize + 1);
+    let all = || tets.iter().flat_map(|&t| tet_edges(t));
+    let mut starts = row_starts(rows, all().map(|[a, _]| a));
+    let mut ends = vec![0; 6 * tets.len()];
+    for [a, b] in all() {
+        ends[starts[a as usize] as usize] = b;
+        starts[a as usize] += 1;
+    }
+    // Each start has moved to the end of its row.
+    let mut begin = 0;
+    let mut count = 0;
+    for &end in &starts[..rows] {
+        let row = &mut ends[begin..end as usize];
+        row.sort_unstable();
+        count += row.chunk_by(|x, y| x == y).count();
+        begin = end as usize;
+    }
+    let mut edges = Vec::with_capacity(count);
+    begin = 0;
+    for (a, &end) in (0..).zip(&starts[..rows]) {
+        edges.extend(ends[begin..end as usize].chunk_by(|x, y| x == y).map(|same| [a, same[0]]));
+        begin = end as usize;
+    }
+    edges
 }
 
 /// The edges of triangles, sorted by vertices, with the indices of the triangles at each.
@@ -47,49 +67,156 @@ pub fn triangle_edges(triangles: impl Iterator<Item = [u32; 3]>) -> Vec<([u32; 2
     uses.chunk_by(|a, b| a.0 == b.0).map(|same| (same[0].0, same.iter().map(|u| u.1).collect())).collect()
 }
 
-/// A face of a cell: its sorted vertices, the cell, and which of its four faces it is.
-type FaceUse = ([u32; 3], u32, u8);
+/// Where each of `rows` rows begins, and where the last one ends, given the row of every entry.
+fn row_starts(rows: usize, entries: impl Iterator<Item = u32>) -> Vec<u32> {
+    let mut starts = vec![0_u32; rows + 1];
+    entries.for_each(|v| starts[v as usize + 1] += 1);
+    for v in 0..rows {
+        starts[v + 1] += starts[v];
+    }
+    starts
+}
 
-/// Every face of every cell, sorted so that the uses of one face stand together.
-fn face_uses(tets: &[[u32; 4]]) -> Vec<FaceUse> {
-    let mut uses: Vec<FaceUse> = Vec::with_capacity(4 * tets.len());
-    for (t, &tet) in tets.iter().enumerate() {
-        for (i, f) in tet_faces(tet).into_iter().enumerate() {
-            uses.push((sorted3(f), t as u32, i as u8));
+/// The faces of all cells in rows by their smallest vertex (compressed rows), 4 bytes a face of a cell.
+struct FaceRows<'a> {
+    tets: &'a [[u32; 4]],
+    /// Where the row of each vertex begins, and where the last one ends.
+    starts: Vec<u32>,
+    /// Face `i` of cell `t` as `4 t + i`, ascending in each row; enough for 2^30 cells.
+    uses: Vec<u32>,
+}
+
+/// A face of a cell: its two larger vertices in ascending order (the smaller one in the upper half), and `4 t + i`.
+type FaceUse = (u64, u32);
+
+/// How many rows a thread takes at a time, and how many are visited before their results are taken.
+const ROWS: usize = 1 << 10;
+const BATCH: usize = 64 * ROWS;
+
+impl<'a> FaceRows<'a> {
+    fn new(tets: &'a [[u32; 4]]) -> Self {
+        let smallest = |t: &[u32; 4]| tet_faces(*t).map(|[a, b, c]| a.min(b).min(c));
+        let rows = tets.iter().flatten().max().map_or(0, |&v| v as usize + 1);
+        let starts = row_starts(rows, tets.iter().flat_map(smallest));
+        let mut next = starts.clone();
+        let mut uses = vec![0; 4 * tets.len()];
+        for (face, v) in (0..).zip(tets.iter().flat_map(smallest)) {
+            uses[next[v as usize] as usize] = face;
+            next[v as usize] += 1;
+        }
+        Self { tets, starts, uses }
+    }
+
+    /// The outward face that a use stands for.
+    fn face(&self, face: u32) -> [u32; 3] {
+        let tet = self.tets[face as usize / 4];
+        quality::FACES[face as usize % 4].map(|i| tet[i])
+    }
+
+    /// Shows every face to `visit`: its sorted vertices, and its uses `4 t + i` in ascending order. Gives the results in
+    /// the order of the sorted vertices to `take`, whatever the number of threads.
+    fn visit<T: Send>(&self, visit: impl Fn([u32; 3], &[FaceUse]) -> Option<T> + Sync, take: impl FnMut(T)) {
+        let rows = self.starts.len() - 1;
+        let mut take = take;
+        for batch in (0..rows).step_by(BATCH) {
+            let end = rows.min(batch + BATCH);
+            let chunks: Vec<usize> = (batch..end).step_by(ROWS).collect();
+            let found: Vec<Vec<T>> =
+                chunks.into_par_iter().map(|first| self.visit_rows(first..end.min(first + ROWS), &visit)).collect();
+            found.into_iter().flatten().for_each(&mut take);
         }
     }
-    // No two uses are equal, so the order does not depend on the number of threads.
-    uses.par_sort_unstable();
-    uses
+
+    fn visit_rows<T>(
+        &self,
+        rows: std::ops::Range<usize>,
+        visit: &impl Fn([u32; 3], &[FaceUse]) -> Option<T>,
+    ) -> Vec<T> {
+        let mut found = Vec::new();
+        let mut row: Vec<FaceUse> = Vec::new();
+        for v in rows {
+            row.clear();
+            row.extend(self.uses[self.starts[v] as usize..self.starts[v + 1] as usize].iter().map(|&face| {
+                let [_, b, c] = sorted3(self.face(face));
+                (u64::from(b) << 32 | u64::from(c), face)
+            }));
+            row.sort_unstable();
+            let faces = row.chunk_by(|x, y| x.0 == y.0);
+            found.extend(faces.filter_map(|same| visit([v as u32, (same[0].0 >> 32) as u32, same[0].0 as u32], same)));
+        }
+        found
+    }
 }
 
 /// Boundary faces of the cells, outward, sorted by their sorted vertices.
 #[must_use]
 pub fn boundary_faces(tets: &[[u32; 4]]) -> Vec<[u32; 3]> {
-    let uses = face_uses(tets);
-    uses.chunk_by(|a, b| a.0 == b.0)
-        .filter(|same| same.len() == 1)
-        .map(|same| tet_faces(tets[same[0].1 as usize])[same[0].2 as usize])
-        .collect()
+    let rows = FaceRows::new(tets);
+    let mut faces = Vec::new();
+    rows.visit(|_, uses| only(uses).map(|face| rows.face(face)), |face| faces.push(face));
+    faces
 }
 
 /// The cell of each boundary face, in the order of [`boundary_faces`] and of [`super::TetMesh::faces`].
 #[must_use]
 pub fn boundary_cells(tets: &[[u32; 4]]) -> Vec<u32> {
-    face_uses(tets).chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1).map(|same| same[0].1).collect()
+    let mut cells = Vec::new();
+    FaceRows::new(tets).visit(|_, uses| only(uses).map(|face| face / 4), |cell| cells.push(cell));
+    cells
+}
+
+/// The use of a face that has no other.
+fn only(uses: &[FaceUse]) -> Option<u32> {
+    if let [(_, face)] = uses { Some(*face) } else { None }
+}
+
+/// The two uses of a face between two cells.
+fn pair(uses: &[FaceUse]) -> Option<[u32; 2]> {
+    if let [(_, a), (_, b)] = uses { Some([*a, *b]) } else { None }
 }
 
 /// For each cell the neighbour across the face opposite to each vertex; `None` at the boundary.
 #[must_use]
 pub fn face_neighbours(tets: &[[u32; 4]]) -> Vec<[Option<u32>; 4]> {
     let mut neighbours = vec![[None; 4]; tets.len()];
-    for same in face_uses(tets).chunk_by(|a, b| a.0 == b.0) {
-        if let [(_, t, i), (_, u, j)] = *same {
-            neighbours[t as usize][i as usize] = Some(u);
-            neighbours[u as usize][j as usize] = Some(t);
-        }
-    }
+    FaceRows::new(tets).visit(
+        |_, uses| pair(uses),
+        |[a, b]| {
+            neighbours[a as usize / 4][a as usize % 4] = Some(b / 4);
+            neighbours[b as usize / 4][b as usize % 4] = Some(a / 4);
+        },
+    );
     neighbours
+}
+
+/// The boundary faces as [`boundary_faces`] gives them, unless two cells have the same four vertices: then these, the
+/// second after the first.
+pub(super) fn boundary_of_distinct(tets: &[[u32; 4]]) -> Result<Vec<[u32; 3]>, [usize; 2]> {
+    let rows = FaceRows::new(tets);
+    let (mut faces, mut repeated) = (Vec::new(), None);
+    rows.visit(
+        |_, uses| match *uses {
+            [(_, face)] => Some(Ok(rows.face(face))),
+            _ => same_cells(tets, uses).map(Err),
+        },
+        |found| match found {
+            Ok(face) => faces.push(face),
+            Err(cells) => repeated = repeated.or(Some(cells)),
+        },
+    );
+    repeated.map_or(Ok(faces), Err)
+}
+
+/// Two cells at one face that are the same: so is the vertex opposite to it.
+fn same_cells(tets: &[[u32; 4]], uses: &[FaceUse]) -> Option<[usize; 2]> {
+    let opposite = |&(_, face): &FaceUse| (tets[face as usize / 4][face as usize % 4], face as usize / 4);
+    if let [a, b] = uses {
+        let [a, b] = [opposite(a), opposite(b)];
+        return (a.0 == b.0).then_some([a.1, b.1]);
+    }
+    let mut opposite: Vec<(u32, usize)> = uses.iter().map(opposite).collect();
+    opposite.sort_unstable();
+    opposite.windows(2).find(|two| two[0].0 == two[1].0).map(|two| [two[0].1, two[1].1])
 }
 
 /// Lists of cells by vertex, in one array (compressed rows).
@@ -103,13 +230,7 @@ impl VertexCells {
     /// Collects the cells at each of `vertex_count` vertices, in ascending order.
     #[must_use]
     pub fn new(vertex_count: usize, tets: &[[u32; 4]]) -> Self {
-        let mut starts = vec![0_u32; vertex_count + 1];
-        for &v in tets.iter().flatten() {
-            starts[v as usize + 1] += 1;
-        }
-        for v in 0..vertex_count {
-            starts[v + 1] += starts[v];
-        }
+        let starts = row_starts(vertex_count, tets.iter().flatten().copied());
         let mut next = starts.clone();
         let mut cells = vec![0_u32; 4 * tets.len()];
         for (t, tet) in tets.iter().enumerate() {
@@ -131,27 +252,35 @@ impl VertexCells {
 /// The connected part of each cell (cells are connected through faces), numbered by first cell, and the number of parts.
 #[must_use]
 pub fn parts(tets: &[[u32; 4]]) -> (Vec<u32>, usize) {
-    let neighbours = face_neighbours(tets);
-    let mut part = vec![u32::MAX; tets.len()];
+    // Each cell points to an earlier one of its part, the first to itself.
+    let mut root: Vec<u32> = (0..tets.len() as u32).collect();
+    FaceRows::new(tets).visit(
+        |_, uses| pair(uses),
+        |uses| {
+            let [a, b] = uses.map(|face| find_root(&mut root, face / 4));
+            root[a.max(b) as usize] = a.min(b);
+        },
+    );
     let mut count = 0;
-    let mut stack = Vec::new();
-    for start in 0..tets.len() {
-        if part[start] != u32::MAX {
-            continue;
-        }
-        part[start] = count;
-        stack.push(start);
-        while let Some(t) = stack.pop() {
-            for u in neighbours[t].into_iter().flatten() {
-                if part[u as usize] == u32::MAX {
-                    part[u as usize] = count;
-                    stack.push(u as usize);
-                }
-            }
-        }
-        count += 1;
+    for t in 0..root.len() {
+        // What a root points to is the number of its part from here on; an earlier cell has its number already.
+        root[t] = if root[t] as usize == t {
+            count += 1;
+            count - 1
+        } else {
+            root[root[t] as usize]
+        };
     }
-    (part, count as usize)
+    (root, count as usize)
+}
+
+/// The first cell of the part of `t`, as far as it is known; halves the path to it.
+fn find_root(root: &mut [u32], mut t: u32) -> u32 {
+    while root[t as usize] != t {
+        root[t as usize] = root[root[t as usize] as usize];
+        t = root[t as usize];
+    }
+    t
 }
 
 /// Checks positions and indices: finite, in range, no repeated vertex.
@@ -189,40 +318,61 @@ pub(super) fn check_volumes(points: &[DVec3], tets: &[[u32; 4]]) -> Result<(), M
 
 /// Checks that `faces` (sorted) are exactly the boundary of the cells, outward, and that no face has three cells.
 pub(super) fn check_boundary(tets: &[[u32; 4]], faces: &[Face]) -> Result<(), MeshError> {
-    let uses = face_uses(tets);
+    let rows = FaceRows::new(tets);
     let mut listed = faces.iter().peekable();
-    for same in uses.chunk_by(|a, b| a.0 == b.0) {
-        let key = same[0].0;
-        if same.len() > 2 {
-            let cells = same.iter().map(|u| u.1 as usize).collect();
-            return Err(MeshError::OvercrowdedFace { vertices: key, count: same.len(), cells });
-        }
-        let Some(face) = listed.next_if(|f| sorted3(f.vertices) <= key) else {
-            if same.len() == 1 {
-                return Err(MeshError::Boundary {
-                    vertices: key,
-                    problem: "is missing from the list of boundary faces",
-                });
+    let mut fault = None;
+    rows.visit(
+        |key, uses| (uses.len() != 2).then(|| (key, uses.len(), uses[0].1)),
+        |(key, count, face)| {
+            if fault.is_none() {
+                fault = check_face(&rows, &mut listed, key, count, face).err();
             }
-            continue;
-        };
-        let problem = |problem| Err(MeshError::Boundary { vertices: face.vertices, problem });
-        if sorted3(face.vertices) < key {
-            return problem("belongs to no cell, or is listed twice");
-        }
-        if same.len() == 2 {
-            return problem("lies between two cells");
-        }
-        let outward = tet_faces(tets[same[0].1 as usize])[same[0].2 as usize];
-        if !(0..3).any(|r| (0..3).all(|i| face.vertices[i] == outward[(i + r) % 3])) {
-            return problem("is oriented inward");
-        }
+        },
+    );
+    match (fault, listed.next()) {
+        (Some(fault), _) => Err(fault),
+        (None, Some(face)) => Err(rows.unmatched(face)),
+        (None, None) => Ok(()),
     }
-    match listed.next() {
-        Some(face) => {
-            Err(MeshError::Boundary { vertices: face.vertices, problem: "belongs to no cell, or is listed twice" })
-        }
-        None => Ok(()),
+}
+
+/// Checks the next face that is not between two cells against the next of the list.
+fn check_face<'a>(
+    rows: &FaceRows,
+    listed: &mut std::iter::Peekable<impl Iterator<Item = &'a Face>>,
+    key: [u32; 3],
+    count: usize,
+    face: u32,
+) -> Result<(), MeshError> {
+    if count > 2 {
+        return Err(MeshError::OvercrowdedFace { vertices: key, count, cells: rows.cells_at(key) });
+    }
+    let Some(found) = listed.next_if(|f| sorted3(f.vertices) <= key) else {
+        let problem = "is missing from the list of boundary faces";
+        return Err(MeshError::Boundary { vertices: key, problem });
+    };
+    if sorted3(found.vertices) < key {
+        return Err(rows.unmatched(found));
+    }
+    let outward = rows.face(face);
+    if (0..3).any(|r| (0..3).all(|i| found.vertices[i] == outward[(i + r) % 3])) {
+        return Ok(());
+    }
+    Err(MeshError::Boundary { vertices: found.vertices, problem: "is oriented inward" })
+}
+
+impl FaceRows<'_> {
+    /// The cells at a face.
+    fn cells_at(&self, key: [u32; 3]) -> Vec<usize> {
+        let uses = 0..4 * self.tets.len() as u32;
+        uses.filter(|&face| sorted3(self.face(face)) == key).map(|face| face as usize / 4).collect()
+    }
+
+    /// Why a listed face is none of the boundary.
+    fn unmatched(&self, face: &Face) -> MeshError {
+        let inside = self.cells_at(sorted3(face.vertices)).len() == 2;
+        let problem = if inside { "lies between two cells" } else { "belongs to no cell, or is listed twice" };
+        MeshError::Boundary { vertices: face.vertices, problem }
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a user chooses in a mesh without a simulation: the cells to refine, the edges and corners to keep.
 
-use crate::mesh::{MeshError, TetMesh, features, read::read_list, topology};
+use crate::mesh::{MeshError, Place, TetMesh, features, read::read_list, topology};
 use std::path::{Path, PathBuf};
 
 /// Which cells to refine, chosen again in each step.
@@ -111,5 +111,5 @@ fn no_cell(path: &Path, line: usize, cell: u32, mesh: &TetMesh) -> MeshError {
 }
 
 fn refused(path: &Path, line: usize, message: String, help: &str) -> MeshError {
-    MeshError::Syntax { path: path.to_owned(), line, message, help: help.to_owned() }
+    MeshError::Syntax { path: path.to_owned(), at: Place::Line(line), message, help: help.to_owned() }
 }

@@ -1,35 +1,45 @@
-//! From the lists of a file to a checked mesh: ids resolved, orphans dropped, orientation, regions, groups.
+//! From the lists of a file to a checked mesh: ids resolved, orphans dropped, orientation.
 
-use super::lines::error_at;
-use super::{MeshFile, Raw, Tet, Triangle};
-use crate::mesh::{Face, GroupId, MeshError, PatchId, RegionId, TetMesh, TetMeshParts, Victim, quality, topology};
+use super::MeshFile;
+use super::error_at;
+use super::groups::{add_vertex_sets, groups, patches, regions};
+use super::nodes::{Index, NONE, number_vertices, positions};
+use super::raw::Raw;
+use crate::mesh::{MeshError, TetMesh, TetMeshParts, Victim, quality, topology};
 use glam::DVec3;
 use rayon::prelude::*;
-use rustc_hash::FxHashMap;
-use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-
-/// Stands for a node that is no vertex.
-const UNUSED: u32 = u32::MAX;
 
 /// Makes the mesh.
 pub(super) fn build(path: &Path, format: &'static str, mut raw: Raw) -> Result<MeshFile, MeshError> {
-    if raw.tets.is_empty() {
+    if raw.tets.nodes.is_empty() {
         return Err(MeshError::NoCells);
     }
     let mut notes = std::mem::take(&mut raw.notes);
-    let nodes = Nodes::new(path, &raw)?;
-    let mut tets = cells(&nodes, &raw.tets)?;
-    check_duplicates(path, &tets, &raw.tets)?;
-    let (vertices, vertex_of) = number_vertices(&mut tets, raw.nodes.len());
-    notes.extend(dropped(&nodes, &raw, &vertex_of)?);
-    let points: Vec<DVec3> = vertices.iter().map(|&n| raw.nodes[n as usize].position).collect();
-    notes.extend(flip_if_all_inverted(&points, &mut tets));
+    let index = Index::new(path, &raw)?;
+    let mut tets = std::mem::take(&mut raw.tets.nodes);
+    index.resolve("tetrahedron", &mut tets, &raw, &raw.tets.ids, &raw.tets.places)?;
+    check_corners(path, &tets, &raw)?;
+    let (vertices, vertex_of) = number_vertices(&mut tets, raw.nodes.positions.len());
+    notes.extend(dropped(&index, &mut raw, &vertex_of)?);
+    let mut triangles = std::mem::take(&mut raw.triangles.nodes);
+    index.resolve("triangle", &mut triangles, &raw, &raw.triangles.ids, &raw.triangles.places)?;
+    triangles.iter_mut().flatten().for_each(|n| *n = vertex_of[*n as usize]);
+    let vertex = |id: u32| index.get(id).map(|n| vertex_of[n as usize]).filter(|&v| v != NONE);
+    let sets: Vec<(String, Vec<u32>)> = std::mem::take(&mut raw.node_groups)
+        .into_iter()
+        .map(|(name, ids)| (name, ids.into_iter().filter_map(vertex).collect()))
+        .collect();
+    drop((index, vertex_of));
 
-    let triangles = triangle_vertices(&nodes, &raw.triangles, &vertex_of)?;
+    let points = positions(std::mem::take(&mut raw.nodes.positions), &vertices);
+    notes.extend(flip_if_all_inverted(&points, &mut tets));
     let (regions, region_names) = regions(path, &raw)?;
-    let faces = topology::boundary_faces(&tets);
-    let (tagged, groups, ignored) = groups(&raw, &triangles, &faces);
+    let repeated = |cells| repeated(path, cells, &tets, &raw, &vertices);
+    let faces = topology::boundary_of_distinct(&tets).map_err(repeated)?;
+    let (mut tagged, mut groups, ignored) = groups(&raw, &triangles, &faces);
+    add_vertex_sets(sets, points.len(), &faces, &mut tagged, &mut groups);
+    drop(triangles);
     if ignored > 0 {
         let are = |one, many| if ignored == 1 { one } else { many };
         let (triangles, are) = (are("triangle is", "triangles are"), are("is", "are"));
@@ -45,94 +55,37 @@ pub(super) fn build(path: &Path, format: &'static str, mut raw: Raw) -> Result<M
     Ok(MeshFile { mesh, format, notes })
 }
 
-/// The nodes of a file by id.
-struct Nodes<'a> {
-    path: &'a Path,
-    by_id: FxHashMap<u32, u32>,
+/// Refuses a tetrahedron, of nodes as places in the file's list, that uses a node twice.
+fn check_corners(path: &Path, tets: &[[u32; 4]], raw: &Raw) -> Result<(), MeshError> {
+    let repeats = |&tet: &[u32; 4]| topology::tet_edges(tet).iter().any(|[a, b]| a == b);
+    let Some(t) = tets.iter().position(repeats) else { return Ok(()) };
+    let nodes = tets[t].map(|n| raw.nodes.ids.get(n as usize));
+    let message = format!("tetrahedron {} {nodes:?} repeats a node", raw.tets.ids.get(t));
+    let at = raw.place(&raw.tets.places, t);
+    Err(error_at(path, at, message, "its four corners must differ: repair the mesh"))
 }
 
-impl<'a> Nodes<'a> {
-    fn new(path: &'a Path, raw: &Raw) -> Result<Self, MeshError> {
-        let mut by_id = FxHashMap::default();
-        for (i, node) in raw.nodes.iter().enumerate() {
-            if let Some(first) = by_id.insert(node.id, i as u32) {
-                let line = raw.nodes[first as usize].line;
-                let message = format!("node {} is listed again, it stands in line {line} already", node.id);
-                return Err(error_at(path, node.line, message, "every node needs an id of its own"));
-            }
-        }
-        Ok(Self { path, by_id })
-    }
-
-    /// Place of a node that the element `name` in `line` uses.
-    fn find(&self, id: u32, name: impl Fn() -> String, line: u32) -> Result<u32, MeshError> {
-        self.by_id.get(&id).copied().ok_or_else(|| {
-            let message = format!("{} uses node {id}, which the file does not list", name());
-            error_at(self.path, line, message, "write the file again with all nodes")
-        })
-    }
-}
-
-/// The nodes of each tetrahedron as places in the file's list.
-fn cells(nodes: &Nodes, tets: &[Tet]) -> Result<Vec<[u32; 4]>, MeshError> {
-    let mut cells = Vec::with_capacity(tets.len());
-    for tet in tets {
-        let mut cell = [0; 4];
-        for (place, &id) in cell.iter_mut().zip(&tet.nodes) {
-            *place = nodes.find(id, || format!("tetrahedron {}", tet.id), tet.line)?;
-        }
-        if topology::tet_edges(cell).iter().any(|[a, b]| a == b) {
-            let message = format!("tetrahedron {} {:?} repeats a node", tet.id, tet.nodes);
-            return Err(error_at(nodes.path, tet.line, message, "its four corners must differ: repair the mesh"));
-        }
-        cells.push(cell);
-    }
-    Ok(cells)
-}
-
-/// Refuses a tetrahedron that is listed twice, in whatever order of nodes.
-fn check_duplicates(path: &Path, cells: &[[u32; 4]], tets: &[Tet]) -> Result<(), MeshError> {
-    let mut keys: Vec<([u32; 4], u32)> = cells.iter().copied().zip(0..).collect();
-    keys.iter_mut().for_each(|(nodes, _)| nodes.sort_unstable());
-    keys.par_sort_unstable();
-    let Some(pair) = keys.windows(2).find(|pair| pair[0].0 == pair[1].0) else { return Ok(()) };
-    let [first, again] = [&tets[pair[0].1 as usize], &tets[pair[1].1 as usize]];
-    let (a, b) = (first.id, again.id);
-    let message = format!("tetrahedron {b} {:?} repeats tetrahedron {a} of line {}", again.nodes, first.line);
-    Err(error_at(path, again.line, message, "remove one; Gmsh writes a cell once for each of its physical volumes"))
-}
-
-/// Numbers the nodes that cells use in the order of the file, in the cells too. Gives the node of each vertex and the
-/// vertex of each node.
-fn number_vertices(tets: &mut [[u32; 4]], node_count: usize) -> (Vec<u32>, Vec<u32>) {
-    let mut vertex_of = vec![UNUSED; node_count];
-    for &n in tets.iter().flatten() {
-        vertex_of[n as usize] = 0;
-    }
-    let mut vertices = Vec::new();
-    for (n, vertex) in vertex_of.iter_mut().enumerate().filter(|(_, vertex)| **vertex != UNUSED) {
-        *vertex = vertices.len() as u32;
-        vertices.push(n as u32);
-    }
-    for n in tets.iter_mut().flatten() {
-        *n = vertex_of[*n as usize];
-    }
-    (vertices, vertex_of)
+/// The error of a tetrahedron that is listed twice, in whatever order of nodes.
+fn repeated(path: &Path, [first, again]: [usize; 2], tets: &[[u32; 4]], raw: &Raw, vertices: &[u32]) -> MeshError {
+    let [a, b] = [first, again].map(|t| raw.tets.ids.get(t));
+    let nodes = tets[again].map(|v| raw.nodes.ids.get(vertices[v as usize] as usize));
+    let place = raw.place(&raw.tets.places, first).named();
+    let message = format!("tetrahedron {b} {nodes:?} repeats tetrahedron {a} of {place}");
+    let at = raw.place(&raw.tets.places, again);
+    error_at(path, at, message, "remove one; Gmsh writes a cell once for each of its physical volumes")
 }
 
 /// Says which nodes are no vertices: mid-side nodes, and orphans.
-fn dropped(nodes: &Nodes, raw: &Raw, vertex_of: &[u32]) -> Result<Vec<String>, MeshError> {
-    let mut midside = vec![false; raw.nodes.len()];
-    for (ids, line) in &raw.midsides {
-        for &id in ids {
-            midside[nodes.find(id, || "a ten-node tetrahedron".to_owned(), *line)? as usize] = true;
-        }
-    }
-    let count = |kind: bool| midside.iter().zip(vertex_of).filter(|&(&m, &v)| m == kind && v == UNUSED).count();
+fn dropped(index: &Index, raw: &mut Raw, vertex_of: &[u32]) -> Result<Vec<String>, MeshError> {
+    let mut mids = std::mem::take(&mut raw.midsides.nodes);
+    index.resolve("ten-node tetrahedron", &mut mids, raw, &raw.midsides.ids, &raw.midsides.places)?;
+    let mut midside = vec![false; vertex_of.len()];
+    mids.iter().flatten().for_each(|&n| midside[n as usize] = true);
+    let count = |kind: bool| midside.iter().zip(vertex_of).filter(|&(&m, &v)| m == kind && v == NONE).count();
     let (midsides, orphans) = (count(true), count(false));
     let mut notes = Vec::new();
-    if !raw.midsides.is_empty() {
-        let tets = raw.midsides.len();
+    if !mids.is_empty() {
+        let tets = mids.len();
         notes.push(format!(
             "{tets} ten-node tetrahedra: the four corner nodes are used, {midsides} mid-side nodes dropped."
         ));
@@ -158,107 +111,15 @@ fn flip_if_all_inverted(points: &[DVec3], tets: &mut [[u32; 4]]) -> Option<Strin
     Some(format!("all {} tetrahedra were inverted: the order of their nodes is reversed.", tets.len()))
 }
 
-/// The vertices of each triangle; `None` if one of its nodes is no vertex.
-fn triangle_vertices(
-    nodes: &Nodes,
-    triangles: &[Triangle],
-    vertex_of: &[u32],
-) -> Result<Vec<Option<[u32; 3]>>, MeshError> {
-    let vertex =
-        |id: u32, t: &Triangle| nodes.find(id, || format!("triangle {}", t.id), t.line).map(|n| vertex_of[n as usize]);
-    let corners = |t: &Triangle| {
-        let [a, b, c] = t.nodes;
-        let vertices = [vertex(a, t)?, vertex(b, t)?, vertex(c, t)?];
-        Ok((!vertices.contains(&UNUSED)).then_some(vertices))
-    };
-    triangles.iter().map(corners).collect()
-}
-
-/// Region of each cell, and the names: by ascending tag, one region a name.
-fn regions(path: &Path, raw: &Raw) -> Result<(Vec<RegionId>, Vec<String>), MeshError> {
-    let tags: BTreeSet<i32> = raw.tets.iter().map(|t| t.region).collect();
-    if tags.len() > usize::from(u16::MAX) {
-        let message = format!("the tetrahedra lie in {} regions, at most {} are possible", tags.len(), u16::MAX);
-        return Err(error_at(path, raw.tets[0].line, message, "merge physical volumes"));
-    }
-    let (ids, names) = number_names(&tags, |tag| match (tag, raw.region_names.get(&tag)) {
-        (_, Some(name)) => name.clone(),
-        (0, None) => "solid".to_owned(),
-        (_, None) => format!("volume-{tag}"),
-    });
-    Ok((raw.tets.iter().map(|t| RegionId(ids[&t.region] as u16)).collect(), names))
-}
-
-/// Numbers names in the order of the tags; tags of one name share its number.
-fn number_names(tags: &BTreeSet<i32>, name: impl Fn(i32) -> String) -> (BTreeMap<i32, u32>, Vec<String>) {
-    let (mut ids, mut names) = (BTreeMap::new(), Vec::<String>::new());
-    let mut known = BTreeMap::new();
-    for &tag in tags {
-        let id = *known.entry(name(tag)).or_insert_with_key(|name| {
-            names.push(name.clone());
-            names.len() as u32 - 1
-        });
-        ids.insert(tag, id);
-    }
-    (ids, names)
-}
-
-/// Groups of boundary faces: pairs of a face's index and a group (sorted, each once), the names, and how many triangles
-/// are no boundary faces.
-///
-/// The physical tags name the groups. A file without any names them by the surfaces of the geometry.
-fn groups(
-    raw: &Raw,
-    triangles: &[Option<[u32; 3]>],
-    faces: &[[u32; 3]],
-) -> (Vec<(usize, GroupId)>, Vec<String>, usize) {
-    let physical = raw.triangles.iter().any(|t| t.physical != 0);
-    let find = |v: [u32; 3]| faces.binary_search_by_key(&topology::sorted3(v), |&f| topology::sorted3(f)).ok();
-    let mut found: Vec<(usize, i32)> = Vec::new();
-    let mut ignored = 0;
-    for (t, vertices) in raw.triangles.iter().zip(triangles) {
-        match vertices.and_then(find) {
-            Some(face) => found.push((face, if physical { t.physical } else { t.entity })),
-            None => ignored += 1,
-        }
-    }
-    found.retain(|(_, tag)| *tag != 0);
-    let tags = found.iter().map(|(_, tag)| *tag).collect();
-    let (ids, names) = number_names(&tags, |tag| match raw.group_names.get(&tag) {
-        Some(name) if physical => name.clone(),
-        _ => format!("surface-{tag}"),
-    });
-    let mut tagged: Vec<(usize, GroupId)> = found.iter().map(|(face, tag)| (*face, GroupId(ids[tag]))).collect();
-    tagged.sort_unstable();
-    tagged.dedup();
-    (tagged, names, ignored)
-}
-
-/// Faces with their patches, and the groups of each patch; patch 0 has none, others are numbered by first face.
-fn patches(faces: &[[u32; 3]], tagged: &[(usize, GroupId)]) -> (Vec<Face>, Vec<Vec<GroupId>>) {
-    let mut patches = vec![Vec::new()];
-    let mut known = BTreeMap::from([(Vec::new(), PatchId(0))]);
-    let mut of_face = vec![PatchId(0); faces.len()];
-    for same in tagged.chunk_by(|a, b| a.0 == b.0) {
-        let groups: Vec<GroupId> = same.iter().map(|(_, group)| *group).collect();
-        of_face[same[0].0] = *known.entry(groups).or_insert_with_key(|groups| {
-            patches.push(groups.clone());
-            PatchId(patches.len() as u32 - 1)
-        });
-    }
-    let faces = faces.iter().zip(of_face).map(|(&vertices, patch)| Face { vertices, patch }).collect();
-    (faces, patches)
-}
-
-/// The error with the file's ids in place of indices; of bad cells with the file and the line of the worst.
+/// The error with the file's ids in place of indices; of bad cells with the file and the place of the worst.
 fn in_file_ids(path: &Path, error: MeshError, raw: &Raw, vertices: &[u32]) -> MeshError {
-    let node = |v: u32| raw.nodes[vertices[v as usize] as usize].id;
-    let element = |cell: usize| raw.tets[cell].id as usize;
+    let node = |v: u32| raw.nodes.ids.get(vertices[v as usize] as usize) as u32;
+    let element = |cell: usize| raw.tets.ids.get(cell) as usize;
     match error {
         MeshError::NotPositive { worst, volume, count } => {
-            let line = raw.tets[worst.cell].line as usize;
+            let at = raw.place(&raw.tets.places, worst.cell);
             let worst = Victim { cell: element(worst.cell), vertices: worst.vertices.map(node), ..worst };
-            MeshError::NotPositiveIn { path: path.to_owned(), line, worst, volume, count }
+            MeshError::NotPositiveIn { path: path.to_owned(), at, worst, volume, count }
         }
         MeshError::OvercrowdedFace { vertices, count, cells } => {
             let cells = cells.into_iter().map(element).collect();

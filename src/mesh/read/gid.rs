@@ -1,6 +1,8 @@
 //! GiD ASCII meshes: blocks of `MESH` header, `Coordinates` and `Elements`. Keywords in any case, `#` begins a comment.
 
-use super::{Line, Lines, MeshError, Node, Raw, Tet};
+use super::lines::{Line, Lines};
+use super::raw::Raw;
+use crate::mesh::MeshError;
 
 /// What a `MESH` header says about the elements that follow.
 #[derive(Clone, Copy, PartialEq)]
@@ -95,7 +97,7 @@ fn node(line: Line, raw: &mut Raw) -> Result<(), MeshError> {
     let id = fields.id("the node's id")?;
     let position = fields.position(id)?;
     fields.end()?;
-    raw.nodes.push(Node { id, position, line: line.number });
+    raw.nodes.push(id, position, line.place());
     Ok(())
 }
 
@@ -109,13 +111,13 @@ fn element(line: Line, kind: Kind, raw: &mut Raw, skipped: &mut usize) -> Result
     let id = fields.id("the element's id")?;
     let nodes = fields.ids("a node of the element")?;
     if kind == Kind::Tet10 {
-        raw.midsides.push((fields.ids("a mid-side node of the element")?, line.number));
+        raw.midsides.push(id, fields.ids("a mid-side node of the element")?, 0, line.place());
     }
     let region = fields.optional_tag("the element's material")?.unwrap_or(0);
     fields.end()?;
     if region != 0 {
         raw.region_names.entry(region).or_insert_with(|| format!("material-{region}"));
     }
-    raw.tets.push(Tet { id, nodes, region, line: line.number });
+    raw.tets.push(id, nodes, region, line.place());
     Ok(())
 }

@@ -1,76 +1,123 @@
 //! What the Gmsh formats share: the version, sections, physical names, element types.
 
-use super::lines::{Announced, Fields, Line};
-use super::{Lines, MeshError, Raw, Tet, Triangle, gmsh2, gmsh4};
+use super::binary::Binary;
+use super::lines::{Line, Lines};
+use super::raw::Raw;
+use super::source::{Source, Text};
+use super::{gmsh2, gmsh4};
+use crate::mesh::MeshError;
+use std::io::BufRead;
+use std::path::Path;
 
-const CONVERT: &str = "convert it: gmsh in.msh -save -format msh41 -o out.msh (writes ASCII unless -bin is given)";
+const CONVERT: &str = "convert it: gmsh in.msh -save -format msh41 -o out.msh";
 
-/// The reader of one section: takes the lines after `$Name` up to, and not with, `$EndName`. Gives false for a section
-/// it does not know.
-type Section<'f> = dyn FnMut(&str, &mut Lines, &mut Raw) -> Result<bool, MeshError> + 'f;
+/// A node and a tetrahedron take at least so many bytes, in a text or not: announced lists get no more memory.
+pub(super) const NODE_BYTES: usize = 8;
+pub(super) const ELEMENT_BYTES: usize = 10;
 
-/// Reads a file whose first line was `$MeshFormat`.
-pub(super) fn read(lines: &mut Lines, raw: &mut Raw) -> Result<&'static str, MeshError> {
-    let line = lines.expect("the version of the format")?;
-    let mut words = line.text.split_ascii_whitespace();
-    let (version, file_type) = (words.next().unwrap_or(""), words.next().unwrap_or(""));
-    match (version, file_type) {
-        (_, "1") => return Err(line.error(format!("a binary Gmsh file (MSH {version}), only ASCII is read"), CONVERT)),
-        (_, "0") => {}
+/// The versions that are read.
+#[derive(Clone, Copy)]
+enum Version {
+    Two,
+    Four,
+}
+
+/// Whether a file that begins with `head` is a binary Gmsh file.
+pub(super) fn is_binary(head: &[u8]) -> bool {
+    let mut words = head.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+    words.next() == Some(b"$MeshFormat") && words.nth(1) == Some(b"1")
+}
+
+/// Reads a text whose first line was `$MeshFormat`.
+pub(super) fn read_text(path: &Path, lines: Lines, raw: &mut Raw) -> Result<&'static str, MeshError> {
+    let mut source = Text::new(path, lines);
+    let version = version(source.line("the version of the format")?)?;
+    end(&mut source, "MeshFormat")?;
+    sections(&mut source, version, raw)?;
+    Ok(match version {
+        Version::Two => "Gmsh MSH 2.2 ASCII",
+        Version::Four => "Gmsh MSH 4.1 ASCII",
+    })
+}
+
+/// Reads a binary file of `length` bytes.
+pub(super) fn read_binary(
+    path: &Path,
+    reader: impl BufRead,
+    length: u64,
+    raw: &mut Raw,
+) -> Result<&'static str, MeshError> {
+    raw.binary = true;
+    let mut source = Binary::new(path, reader, length);
+    source.line("$MeshFormat")?;
+    let version = version(source.line("the version of the format")?)?;
+    source.read_byte_order()?;
+    end(&mut source, "MeshFormat")?;
+    source.set_id_bytes(match version {
+        Version::Two => 4,
+        Version::Four => 8,
+    });
+    sections(&mut source, version, raw)?;
+    Ok(match version {
+        Version::Two => "Gmsh MSH 2.2 binary",
+        Version::Four => "Gmsh MSH 4.1 binary",
+    })
+}
+
+/// The version from the line "4.1 0 8": version, 1 if binary, bytes of a number.
+fn version(line: Line) -> Result<Version, MeshError> {
+    let words: Vec<&str> = line.text.split_ascii_whitespace().collect();
+    match words[..] {
+        ["2" | "2.0" | "2.1" | "2.2", "0" | "1", ..] => Ok(Version::Two),
+        ["4.1", "0", ..] | ["4.1", "1", "8", ..] => Ok(Version::Four),
+        [version, "0" | "1", ..] => {
+            Err(line.error(format!("Gmsh MSH version {version}; versions 2.2 and 4.1 (of 8 bytes) are read"), CONVERT))
+        }
         _ => {
             let message = format!("expected a version and file type such as \"4.1 0 8\", found {}", line.quoted());
-            return Err(line.error(message, CONVERT));
+            Err(line.error(message, CONVERT))
         }
-    }
-    end(lines, "MeshFormat")?;
-    match version {
-        "2" | "2.0" | "2.1" | "2.2" => {
-            sections(lines, raw, &mut gmsh2::section)?;
-            Ok("Gmsh MSH 2.2 ASCII")
-        }
-        "4.1" => {
-            let mut entities = gmsh4::Entities::default();
-            sections(lines, raw, &mut |name, lines, raw| gmsh4::section(name, lines, raw, &mut entities))?;
-            Ok("Gmsh MSH 4.1 ASCII")
-        }
-        _ => Err(line.error(format!("Gmsh MSH version {version}; versions 2.2 and 4.1 are read"), CONVERT)),
     }
 }
 
-/// Reads all sections, skipping those that `section` does not know.
-fn sections(lines: &mut Lines, raw: &mut Raw, section: &mut Section) -> Result<(), MeshError> {
+/// Reads all sections, skipping those that are not needed.
+fn sections(source: &mut impl Source, version: Version, raw: &mut Raw) -> Result<(), MeshError> {
     let (mut nodes, mut elements) = (false, false);
-    while let Some(line) = lines.next() {
-        let name = line.text.trim_ascii();
-        let Some(name) = name.strip_prefix('$').filter(|n| !n.starts_with("End")) else {
+    let mut entities = gmsh4::Entities::default();
+    while let Some(line) = source.next_line()? {
+        let Some(name) = line.text.trim_ascii().strip_prefix('$').filter(|n| !n.starts_with("End")) else {
             let message = format!("expected a section ($Nodes, ...), found {}", line.quoted());
             return Err(line.error(message, "remove the line, or write the file again"));
         };
+        let name = name.to_owned();
         nodes |= name == "Nodes";
         elements |= name == "Elements";
-        let known = if name == "PhysicalNames" {
-            physical_names(lines, raw)?;
-            true
-        } else {
-            section(name, lines, raw)?
+        let known = match (name.as_str(), version) {
+            ("PhysicalNames", _) => {
+                physical_names(source, raw)?;
+                true
+            }
+            (name, Version::Two) => gmsh2::section(name, source, raw)?,
+            (name, Version::Four) => gmsh4::section(name, source, raw, &mut entities)?,
         };
         if known {
-            end(lines, name)?;
+            end(source, &name)?;
         } else {
-            while lines.expect(&format!("$End{name}"))?.text.trim_ascii().strip_prefix("$End") != Some(name) {}
+            let last = format!("$End{name}");
+            while !source.line(&last)?.text.trim_ascii().ends_with(&last) {}
         }
     }
     for (there, name) in [(nodes, "$Nodes"), (elements, "$Elements")] {
         if !there {
-            return Err(lines.error_at_end(format!("the section {name} is missing"), "write the file again"));
+            return Err(source.error_at_end(format!("the section {name} is missing"), "write the file again"));
         }
     }
     Ok(())
 }
 
 /// Expects the end of a section.
-fn end(lines: &mut Lines, name: &str) -> Result<(), MeshError> {
-    let line = lines.expect(&format!("$End{name}"))?;
+fn end(source: &mut impl Source, name: &str) -> Result<(), MeshError> {
+    let line = source.line(&format!("$End{name}"))?;
     if line.text.trim_ascii().strip_prefix("$End") == Some(name) {
         return Ok(());
     }
@@ -78,12 +125,11 @@ fn end(lines: &mut Lines, name: &str) -> Result<(), MeshError> {
     Err(line.error(message, "the count of the section is too small, or a line too many"))
 }
 
-/// Lines of dimension, tag and quoted name.
-fn physical_names(lines: &mut Lines, raw: &mut Raw) -> Result<(), MeshError> {
-    let list = lines.expect("the number of physical names")?.count("physical names")?;
-    lines.check_count(&list)?;
-    for i in 0..list.count {
-        let line = lines.entry(&list, i)?;
+/// Lines of dimension, tag and quoted name, in binary files too.
+fn physical_names(source: &mut impl Source, raw: &mut Raw) -> Result<(), MeshError> {
+    let list = source.line_count("physical names")?;
+    for _ in 0..list.count {
+        let line = source.line("a physical name")?;
         let mut fields = line.fields();
         let (dimension, tag) = (fields.id("the dimension")?, fields.tag("the physical tag")?);
         let name = line.text.split_once('"').and_then(|(_, rest)| rest.rsplit_once('"')).map(|(name, _)| name);
@@ -109,41 +155,58 @@ pub(super) struct Place<'a> {
 
 /// Takes the nodes of an element of a Gmsh type. Points, lines and quadrangles give nothing.
 pub(super) fn element(
-    (line, id, kind): (Line, u32, u32),
-    fields: &mut Fields,
+    source: &mut impl Source,
+    id: u32,
+    kind: u32,
     place: &Place,
     raw: &mut Raw,
 ) -> Result<(), MeshError> {
     match kind {
         2 | 9 => {
-            let nodes = fields.ids("a node of the triangle")?;
+            let nodes = source.ids("a node of the triangle")?;
             if kind == 9 {
-                let _: [u32; 3] = fields.ids("a mid-side node of the triangle")?;
+                let _: [u32; 3] = source.ids("a mid-side node of the triangle")?;
             }
             let physicals = if place.physicals.is_empty() { &[0] } else { place.physicals };
-            raw.triangles.extend(physicals.iter().map(|&physical| Triangle {
-                id,
-                nodes,
-                physical,
-                entity: place.entity,
-                line: line.number,
-            }));
+            physicals.iter().for_each(|&p| raw.triangle(id, nodes, [p, place.entity], source.place()));
         }
         4 | 11 => {
-            let nodes = fields.ids("a node of the tetrahedron")?;
+            let nodes = source.ids("a node of the tetrahedron")?;
             if kind == 11 {
-                raw.midsides.push((fields.ids("a mid-side node of the tetrahedron")?, line.number));
+                let mids = source.ids("a mid-side node of the tetrahedron")?;
+                raw.midsides.push(id, mids, 0, source.place());
             }
             let region = place.physicals.first().copied().unwrap_or(0);
-            raw.tets.push(Tet { id, nodes, region, line: line.number });
+            raw.tets.push(id, nodes, region, source.place());
         }
-        1 | 3 | 8 | 10 | 15 | 16 | 26..=28 => return Ok(()),
-        _ => return refuse(line, id, kind),
+        _ => match skipped(kind) {
+            Some(nodes) => {
+                for _ in 0..nodes {
+                    source.id("a node of an element")?;
+                }
+            }
+            None => return refuse(source, id, kind),
+        },
     }
-    fields.end()
+    source.end_entry()
 }
 
-fn refuse(line: Line, id: u32, kind: u32) -> Result<(), MeshError> {
+/// The number of nodes of points, lines and quadrangles, which are not needed.
+fn skipped(kind: u32) -> Option<usize> {
+    Some(match kind {
+        15 => 1,
+        1 => 2,
+        8 => 3,
+        3 | 26 => 4,
+        27 => 5,
+        28 => 6,
+        16 => 8,
+        10 => 9,
+        _ => return None,
+    })
+}
+
+fn refuse(source: &impl Source, id: u32, kind: u32) -> Result<(), MeshError> {
     let (name, help) = match kind {
         5 | 12 | 17 => ("a hexahedron", "mesh the volume with tetrahedra alone (no recombination, no extruded layers)"),
         6 | 13 | 18 => ("a prism", "mesh the volume with tetrahedra alone (no recombination, no extruded layers)"),
@@ -151,12 +214,5 @@ fn refuse(line: Line, id: u32, kind: u32) -> Result<(), MeshError> {
         20..=25 | 29..=36 => ("of third or higher order", "mesh with order 1 or 2 (Gmsh: -order 1)"),
         _ => ("of a type that is not read", "mesh the volume with tetrahedra of order 1 or 2"),
     };
-    Err(line.error(format!("element {id} (Gmsh type {kind}) is {name}; only tetrahedra are computed"), help))
-}
-
-/// A count announced by a field of its own line, checked against the size of the file.
-pub(super) fn announced(lines: &Lines, fields: &mut Fields, what: &'static str) -> Result<Announced, MeshError> {
-    let list = fields.count(what)?;
-    lines.check_count(&list)?;
-    Ok(list)
+    Err(source.error(format!("element {id} (Gmsh type {kind}) is {name}; only tetrahedra are computed"), help))
 }

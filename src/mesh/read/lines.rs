@@ -1,6 +1,7 @@
 //! Lines and fields of a text, with errors that say where.
 
-use crate::mesh::MeshError;
+use super::{error_at, finite};
+use crate::mesh::{MeshError, Place};
 use glam::DVec3;
 use std::path::Path;
 use std::str::{FromStr, SplitAsciiWhitespace};
@@ -9,16 +10,15 @@ use std::str::{FromStr, SplitAsciiWhitespace};
 pub(super) struct Lines<'a> {
     path: &'a Path,
     rest: &'a str,
-    number: u32,
+    number: usize,
 }
 
 /// One line.
 #[derive(Clone, Copy)]
 pub(super) struct Line<'a> {
-    path: &'a Path,
+    pub(super) path: &'a Path,
     pub(super) text: &'a str,
-    /// Counted from 1.
-    pub(super) number: u32,
+    pub(super) at: Place,
 }
 
 /// What is left of a line, to be taken field by field.
@@ -33,15 +33,23 @@ pub(super) struct Announced {
     pub(super) what: &'static str,
     pub(super) count: usize,
     /// Where the count stands.
-    pub(super) line: u32,
+    pub(super) at: Place,
 }
 
-/// An error at a line of a file.
-pub(super) fn error_at(path: &Path, line: u32, message: impl Into<String>, help: &str) -> MeshError {
-    MeshError::Syntax { path: path.to_owned(), line: line as usize, message: message.into(), help: help.to_owned() }
+impl Announced {
+    /// Refuses a count of entries that the `bytes` left of the file cannot hold at `least` bytes each.
+    pub(super) fn check(&self, path: &Path, bytes: u64, least: u64) -> Result<(), MeshError> {
+        let Self { what, count, at } = self;
+        if *count as u64 <= bytes / least + 1 {
+            return Ok(());
+        }
+        let message = format!("{count} {what} are announced, but only {bytes} bytes of the file remain");
+        Err(error_at(path, *at, message, "correct the count, or write the file again"))
+    }
 }
 
-const TRUNCATED: &str = "the file seems to be cut off: write or copy it again";
+/// What to do about a file that ends too early.
+pub(super) const TRUNCATED: &str = "the file seems to be cut off: write or copy it again";
 
 impl<'a> Lines<'a> {
     pub(super) fn new(path: &'a Path, text: &'a str) -> Self {
@@ -55,7 +63,7 @@ impl<'a> Lines<'a> {
             self.rest = rest;
             self.number += 1;
             if !text.trim_ascii().is_empty() {
-                return Some(Line { path: self.path, text: text.trim_ascii_end(), number: self.number });
+                return Some(Line { path: self.path, text: text.trim_ascii_end(), at: Place::Line(self.number) });
             }
         }
         None
@@ -68,8 +76,8 @@ impl<'a> Lines<'a> {
 
     /// The next entry of an announced list, of which `index` were read before.
     pub(super) fn entry(&mut self, list: &Announced, index: usize) -> Result<Line<'a>, MeshError> {
-        let Announced { what, count, line } = list;
-        let announced = format!("expected {count} {what} (announced in line {line})");
+        let Announced { what, count, at } = list;
+        let announced = format!("expected {count} {what} (announced in {})", at.named());
         match self.next() {
             Some(entry) if !entry.text.trim_ascii_start().starts_with('$') => Ok(entry),
             Some(end) => {
@@ -80,25 +88,26 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// Refuses a count of entries that the rest of the file cannot hold (an entry takes a character and a line end).
-    pub(super) fn check_count(&self, list: &Announced) -> Result<(), MeshError> {
-        let Announced { what, count, line } = list;
-        if *count <= self.rest.len() / 2 + 1 {
-            return Ok(());
-        }
-        let message = format!("{count} {what} are announced, but only {} bytes of the file remain", self.rest.len());
-        Err(error_at(self.path, *line, message, "correct the count, or write the file again"))
+    /// How many bytes are left.
+    pub(super) fn remaining(&self) -> usize {
+        self.rest.len()
     }
 
     /// An error at the last line.
     pub(super) fn error_at_end(&self, message: impl Into<String>, help: &str) -> MeshError {
-        error_at(self.path, self.number.max(1), message, help)
+        error_at(self.path, Place::Line(self.number.max(1)), message, help)
     }
 }
 
 impl<'a> Line<'a> {
+    /// Number of the line, or the byte it begins with.
+    pub(super) fn place(&self) -> u64 {
+        let (Place::Line(at) | Place::Byte(at)) = self.at;
+        at as u64
+    }
+
     pub(super) fn error(&self, message: impl Into<String>, help: &str) -> MeshError {
-        error_at(self.path, self.number, message, help)
+        error_at(self.path, self.at, message, help)
     }
 
     /// The first word in lower case.
@@ -125,6 +134,16 @@ impl<'a> Line<'a> {
 }
 
 impl<'a> Fields<'a> {
+    /// An error at the line.
+    pub(super) fn error(&self, message: impl Into<String>, help: &str) -> MeshError {
+        self.line.error(message, help)
+    }
+
+    /// Number of the line.
+    pub(super) fn place(&self) -> u64 {
+        self.line.place()
+    }
+
     fn parse<T: FromStr>(&mut self, what: &str, kind: &str) -> Result<T, MeshError> {
         let Some(token) = self.tokens.next() else {
             let message = format!("expected {what} at the end of {}", self.line.quoted());
@@ -170,7 +189,7 @@ impl<'a> Fields<'a> {
     /// The length of a list.
     pub(super) fn count(&mut self, what: &'static str) -> Result<Announced, MeshError> {
         let count: u32 = self.parse(&format!("the number of {what}"), "a whole number")?;
-        Ok(Announced { what, count: count as usize, line: self.line.number })
+        Ok(Announced { what, count: count as usize, at: self.line.at })
     }
 
     /// Skips `count` fields.
@@ -189,10 +208,7 @@ impl<'a> Fields<'a> {
         let mut p = [0.0_f64; 3];
         for (x, name) in p.iter_mut().zip(["x", "y", "z"]) {
             *x = self.parse(name, "a number")?;
-            if !x.is_finite() {
-                let message = format!("{name} of node {node} is {x}, which is not a finite number");
-                return Err(self.line.error(message, "every coordinate must be a finite number below 1.8e308"));
-            }
+            finite(*x, name, node).map_err(|(message, help)| self.line.error(message, help))?;
         }
         Ok(DVec3::from_array(p))
     }

@@ -1,6 +1,7 @@
 //! Lists of numbers in a text file, one entry a line: cells to refine, edges and corners to keep.
 
-use super::{Lines, unreadable};
+use super::lines::Lines;
+use super::unreadable;
 use crate::mesh::MeshError;
 use std::path::Path;
 
@@ -17,7 +18,7 @@ pub fn read_list<const N: usize>(path: &Path, what: &str) -> Result<Vec<(usize, 
     let mut entries = Vec::new();
     while let Some(line) = lines.next() {
         let mut fields = line.fields();
-        entries.push((line.number as usize, fields.ids(what)?));
+        entries.push((line.place() as usize, fields.ids(what)?));
         fields.end()?;
     }
     if entries.is_empty() {

@@ -1,24 +1,34 @@
-//! Mesh files: GiD ASCII and Gmsh MSH 2.2 and 4.1 ASCII.
+//! Mesh files.
 //!
-//! The format is found from the content. Every reader turns text into a [`Raw`] list of nodes, tetrahedra and triangles
-//! with the line each came from; [`build`] checks the list and makes a mesh of it, alike for all formats.
+//! The format is found from the content. Every reader turns its file into [`raw::Raw`] lists of nodes, tetrahedra and
+//! triangles with the place each came from; [`build`] checks the lists and makes a mesh of them, alike for all formats.
 
+mod abaqus;
+mod binary;
 mod build;
 mod gid;
 mod gmsh;
 mod gmsh2;
 mod gmsh4;
+mod groups;
 mod lines;
 mod list;
+mod medit;
+mod nodes;
+mod raw;
+mod runs;
+mod source;
 #[cfg(test)]
 mod tests;
+mod vtk;
+mod words;
 
 pub use list::read_list;
 
-use super::{MeshError, TetMesh};
-use glam::DVec3;
-use lines::{Line, Lines};
-use std::collections::BTreeMap;
+use super::{MeshError, Place, TetMesh};
+use lines::Lines;
+use raw::Raw;
+use std::io::BufRead;
 use std::path::Path;
 
 /// A mesh, and what was done to make it of a file.
@@ -32,60 +42,23 @@ pub struct MeshFile {
     pub notes: Vec<String>,
 }
 
-/// A node as the file gives it.
-#[derive(Debug)]
-struct Node {
-    id: u32,
-    position: DVec3,
-    line: u32,
-}
-
-/// A tetrahedron as the file gives it: ids, not indices.
-#[derive(Debug)]
-struct Tet {
-    id: u32,
-    nodes: [u32; 4],
-    /// Tag of its region, 0 if it has none.
-    region: i32,
-    line: u32,
-}
-
-/// A triangle as the file gives it; one that belongs to several physical groups is listed once for each.
-#[derive(Debug)]
-struct Triangle {
-    id: u32,
-    nodes: [u32; 3],
-    /// Tag of its physical group, 0 if it has none.
-    physical: i32,
-    /// Tag of the surface it was made on, 0 if unknown.
-    entity: i32,
-    line: u32,
-}
-
-/// What a file lists, before anything is checked across its lines.
-#[derive(Debug, Default)]
-struct Raw {
-    nodes: Vec<Node>,
-    tets: Vec<Tet>,
-    triangles: Vec<Triangle>,
-    /// The six mid-side nodes of each second-order tetrahedron, with its line.
-    midsides: Vec<([u32; 6], u32)>,
-    region_names: BTreeMap<i32, String>,
-    group_names: BTreeMap<i32, String>,
-    notes: Vec<String>,
-}
-
-/// Reads a mesh.
+/// Reads a mesh: Gmsh MSH 2.2 and 4.1 (text and binary), Abaqus and CalculiX input, MEDIT, VTK legacy and XML
+/// unstructured grids, GiD.
 ///
 /// Ten-node tetrahedra give their four corners. Orphan nodes are dropped. If all cells are inverted, all are flipped.
 /// What was changed is said in [`MeshFile::notes`].
 ///
 /// # Errors
-/// [`MeshError::Unreadable`], [`MeshError::UnknownFormat`], [`MeshError::Syntax`] with the line, [`MeshError::NoCells`],
+/// [`MeshError::Unreadable`], [`MeshError::UnknownFormat`], [`MeshError::Syntax`] with the place, [`MeshError::NoCells`],
 /// and what [`TetMesh::new`] refuses, where cells and vertices are then named by the file's ids.
 pub fn read(path: &Path) -> Result<MeshFile, MeshError> {
-    let bytes = std::fs::read(path).map_err(|source| unreadable(path, source))?;
-    parse(path, &bytes)
+    let open = || {
+        let file = std::fs::File::open(path)?;
+        let length = file.metadata()?.len();
+        Ok((std::io::BufReader::with_capacity(1 << 16, file), length))
+    };
+    let (reader, length) = open().map_err(|source| unreadable(path, source))?;
+    parse(path, reader, length)
 }
 
 fn unreadable(path: &Path, source: std::io::Error) -> MeshError {
@@ -94,28 +67,64 @@ fn unreadable(path: &Path, source: std::io::Error) -> MeshError {
     MeshError::Unreadable { path: path.to_owned(), source, help }
 }
 
-/// Reads a mesh from a file's content; `path` is for messages only.
-fn parse(path: &Path, bytes: &[u8]) -> Result<MeshFile, MeshError> {
+/// An error at a place of a file.
+fn error_at(path: &Path, at: Place, message: impl Into<String>, help: &str) -> MeshError {
+    MeshError::Syntax { path: path.to_owned(), at, message: message.into(), help: help.to_owned() }
+}
+
+/// What is wrong with a coordinate that is not finite, and what to do.
+fn finite(x: f64, name: &str, node: u32) -> Result<(), (String, &'static str)> {
+    if x.is_finite() {
+        return Ok(());
+    }
+    let message = format!("{name} of node {node} is {x}, which is not a finite number");
+    Err((message, "every coordinate must be a finite number below 1.8e308"))
+}
+
+/// Reads a mesh from a file's content of `length` bytes; `path` is for messages, and says where files lie that this one
+/// names.
+fn parse(path: &Path, mut reader: impl BufRead, length: u64) -> Result<MeshFile, MeshError> {
+    let mut raw = Raw::default();
+    let head = reader.fill_buf().map_err(|source| unreadable(path, source))?;
+    if gmsh::is_binary(head) {
+        let format = gmsh::read_binary(path, reader, length, &mut raw)?;
+        return build::build(path, format, raw);
+    }
+    let mut bytes = Vec::new();
+    reader.read_to_end(&mut bytes).map_err(|source| unreadable(path, source))?;
+    let format = parse_whole(path, &bytes, &mut raw)?;
+    drop(bytes);
+    build::build(path, format, raw)
+}
+
+/// Reads a file that is in memory.
+fn parse_whole(path: &Path, bytes: &[u8], raw: &mut Raw) -> Result<&'static str, MeshError> {
     let unknown = |message: String| MeshError::UnknownFormat { path: path.to_owned(), message };
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
         return Err(unknown("the text is encoded in UTF-16, save it as UTF-8".to_owned()));
     }
-    // A name in another encoding spoils nothing but the name; binary data is told by the format's first lines.
+    if let Some(format) = vtk::read(path, bytes, raw)? {
+        return Ok(format);
+    }
+    if medit::is_binary(bytes) {
+        return Err(unknown("it is a binary MEDIT file (.meshb), save it as text (.mesh)".to_owned()));
+    }
+    // A name in another encoding spoils nothing but the name. Text in UTF-8 is not copied.
     let text = String::from_utf8_lossy(bytes);
     let mut lines = Lines::new(path, &text);
-    // GiD files may begin with comments.
+    // Files may begin with comments of GiD, MEDIT or Abaqus.
     let mut first = lines.next();
-    while first.is_some_and(|line| line.keyword().starts_with('#')) {
+    while first.is_some_and(|line| line.text.trim_ascii_start().starts_with('#') || line.text.starts_with("**")) {
         first = lines.next();
     }
     let Some(first) = first else {
         return Err(lines.error_at_end("the file is empty", "export the mesh again"));
     };
-    let mut raw = Raw::default();
-    let format = match first.keyword().as_str() {
-        "$meshformat" => gmsh::read(&mut lines, &mut raw)?,
-        "mesh" => gid::read(first, &mut lines, &mut raw)?,
-        _ => return Err(unknown(format!("it begins with {}", first.quoted()))),
-    };
-    build::build(path, format, raw)
+    match first.keyword().as_str() {
+        "$meshformat" => gmsh::read_text(path, lines, raw),
+        "mesh" => gid::read(first, &mut lines, raw),
+        "meshversionformatted" => medit::read(path, &text, raw),
+        word if word.starts_with('*') => abaqus::read(path, &text, raw),
+        _ => Err(unknown(format!("it begins with {}", first.quoted()))),
+    }
 }

@@ -88,6 +88,30 @@ proptest! {
     #[test]
     fn random_bytes_after_a_header_never_panic(which in 0..3_usize, bytes in prop::collection::vec(any::<u8>(), 0..300)) {
         let head: String = [MSH2, MSH4, GID][which].lines().take(12).map(|l| format!("{l}\n")).collect();
-        let _ = parse(Path::new("test.msh"), &[head.as_bytes(), &bytes].concat());
+        let _ = parse_bytes(&[head.as_bytes(), &bytes].concat());
+    }
+}
+
+/// Cuts every file of `tests/meshes/` short and flips its bytes, one in turn. Whatever is left is a valid mesh or an
+/// error.
+#[test]
+fn no_damage_to_a_file_of_any_format_panics() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/meshes");
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let bytes = std::fs::read(&path).unwrap();
+        let check = |bytes: &[u8]| match parse(&path, bytes, bytes.len() as u64) {
+            Ok(file) => drop(TetMesh::new(file.mesh.into_parts()).unwrap()),
+            Err(MeshError::Inconsistent(message)) => panic!("{}: {message}", path.display()),
+            Err(_) => {}
+        };
+        for i in (0..bytes.len()).step_by(3) {
+            if i % 7 == 0 {
+                check(&bytes[..i]);
+            }
+            let mut flipped = bytes.clone();
+            flipped[i] ^= [0x01, 0x80, 0x10, 0xff][i % 4];
+            check(&flipped);
+        }
     }
 }

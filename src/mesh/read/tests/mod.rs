@@ -1,7 +1,9 @@
 //! Tests of the readers: real input, agreement of the formats; faults and random damage have files of their own.
 
+mod abaqus;
 mod damage;
 mod faults;
+mod formats;
 
 use super::*;
 use crate::mesh::{GroupId, RegionId, features::face_normal};
@@ -120,13 +122,17 @@ End Elements
 ";
 
 fn parse_text(text: &str) -> Result<MeshFile, MeshError> {
-    parse(Path::new("test.msh"), text.as_bytes())
+    parse_bytes(text.as_bytes())
+}
+
+fn parse_bytes(bytes: &[u8]) -> Result<MeshFile, MeshError> {
+    parse(Path::new("test.msh"), bytes, bytes.len() as u64)
 }
 
 /// Line, message and help of the syntax error that a text gives.
 fn fault(text: &str) -> (usize, String, String) {
     match parse_text(text) {
-        Err(MeshError::Syntax { line, message, help, .. }) => (line, message, help),
+        Err(MeshError::Syntax { at: Place::Line(line), message, help, .. }) => (line, message, help),
         other => panic!("no syntax error but {other:?}"),
     }
 }
@@ -235,7 +241,9 @@ fn bom_and_carriage_returns_are_accepted() {
 #[test]
 fn a_mesh_inside_out_is_flipped_and_one_inverted_cell_is_refused() {
     let one = MSH2.replace("1 3 2 5", "1 2 3 5");
-    let Err(MeshError::NotPositiveIn { line, worst, volume, count, .. }) = parse_text(&one) else { panic!("accepted") };
+    let Err(MeshError::NotPositiveIn { at: Place::Line(line), worst, volume, count, .. }) = parse_text(&one) else {
+        panic!("accepted")
+    };
     assert!(one.lines().nth(line - 1).unwrap().ends_with("1 2 3 5"), "line {line}");
     assert_eq!((worst.cell, worst.vertices, count), (9, [1, 2, 3, 5], 1));
     assert!((volume + 1.0 / 6.0).abs() < 1e-15);

@@ -1,0 +1,125 @@
+//! Regions and groups of boundary faces from the tags of a file.
+
+use super::error_at;
+use super::nodes::NONE;
+use super::raw::Raw;
+use super::runs::Runs;
+use crate::mesh::{Face, GroupId, MeshError, PatchId, RegionId, topology};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+/// Region of each cell, and the names: by ascending tag, one region a name.
+pub(super) fn regions(path: &Path, raw: &Raw) -> Result<(Vec<RegionId>, Vec<String>), MeshError> {
+    let tags = distinct(&raw.tets.tags);
+    if tags.len() > usize::from(u16::MAX) {
+        let message = format!("the tetrahedra lie in {} regions, at most {} are possible", tags.len(), u16::MAX);
+        return Err(error_at(path, raw.place(&raw.tets.places, 0), message, "merge physical volumes"));
+    }
+    let (ids, names) = number_names(&tags, |tag| match (tag, raw.region_names.get(&tag)) {
+        (_, Some(name)) => name.clone(),
+        (0, None) => "solid".to_owned(),
+        (_, None) => format!("volume-{tag}"),
+    });
+    let mut last = (0, None);
+    let region = |tag: i64| {
+        if last.1.is_none() || last.0 != tag {
+            last = (tag, Some(RegionId(ids[&(tag as i32)] as u16)));
+        }
+        last.1.unwrap_or(RegionId(0))
+    };
+    Ok((raw.tets.tags.iter().map(region).collect(), names))
+}
+
+/// The tags of a list.
+fn distinct(tags: &Runs) -> BTreeSet<i32> {
+    let mut last = None;
+    // A look at the one before spares most searches.
+    let new = tags.iter().filter(|&tag| last.replace(tag) != Some(tag));
+    new.map(|tag| tag as i32).collect()
+}
+
+/// Numbers names in the order of the tags; tags of one name share its number.
+fn number_names(tags: &BTreeSet<i32>, name: impl Fn(i32) -> String) -> (BTreeMap<i32, u32>, Vec<String>) {
+    let (mut ids, mut names) = (BTreeMap::new(), Vec::<String>::new());
+    let mut known = BTreeMap::new();
+    for &tag in tags {
+        let id = *known.entry(name(tag)).or_insert_with_key(|name| {
+            names.push(name.clone());
+            names.len() as u32 - 1
+        });
+        ids.insert(tag, id);
+    }
+    (ids, names)
+}
+
+/// Groups of boundary faces, given triangles by vertices: pairs of a face's index and a group (sorted, each once), the
+/// names, and how many triangles are no boundary faces.
+///
+/// The tags of the triangles name the groups. A file without any names them by the surfaces of the geometry.
+pub(super) fn groups(
+    raw: &Raw,
+    triangles: &[[u32; 3]],
+    faces: &[[u32; 3]],
+) -> (Vec<(usize, GroupId)>, Vec<String>, usize) {
+    let tagged = distinct(&raw.triangles.tags).iter().any(|&tag| tag != 0);
+    let tags = if tagged { &raw.triangles.tags } else { &raw.surfaces };
+    let find = |v: [u32; 3]| faces.binary_search_by_key(&topology::sorted3(v), |&f| topology::sorted3(f)).ok();
+    let mut found: Vec<(usize, i32)> = Vec::new();
+    let mut ignored = 0;
+    for (&vertices, tag) in triangles.iter().zip(tags.iter()) {
+        match Some(vertices).filter(|v| !v.contains(&NONE)).and_then(find) {
+            Some(face) => found.push((face, tag as i32)),
+            None => ignored += 1,
+        }
+    }
+    found.retain(|(_, tag)| *tag != 0);
+    let tags = found.iter().map(|(_, tag)| *tag).collect();
+    let (ids, names) = number_names(&tags, |tag| match raw.group_names.get(&tag) {
+        Some(name) if tagged => name.clone(),
+        _ => format!("surface-{tag}"),
+    });
+    let mut tagged: Vec<(usize, GroupId)> = found.iter().map(|(face, tag)| (*face, GroupId(ids[tag]))).collect();
+    tagged.sort_unstable();
+    tagged.dedup();
+    (tagged, names, ignored)
+}
+
+/// Adds groups of the faces all whose corners a set of vertices holds. Names that groups have already stay theirs.
+pub(super) fn add_vertex_sets(
+    sets: Vec<(String, Vec<u32>)>,
+    vertex_count: usize,
+    faces: &[[u32; 3]],
+    tagged: &mut Vec<(usize, GroupId)>,
+    names: &mut Vec<String>,
+) {
+    for (name, vertices) in sets {
+        let mut inside = vec![false; vertex_count];
+        vertices.into_iter().for_each(|v| inside[v as usize] = true);
+        let group = GroupId(names.len() as u32);
+        let before = tagged.len();
+        if !names.iter().any(|known| known.eq_ignore_ascii_case(&name)) {
+            let found = faces.iter().enumerate().filter(|(_, face)| face.iter().all(|&v| inside[v as usize]));
+            tagged.extend(found.map(|(i, _)| (i, group)));
+        }
+        if tagged.len() > before {
+            names.push(name);
+        }
+    }
+    tagged.sort_unstable();
+}
+
+/// Faces with their patches, and the groups of each patch; patch 0 has none, others are numbered by first face.
+pub(super) fn patches(faces: &[[u32; 3]], tagged: &[(usize, GroupId)]) -> (Vec<Face>, Vec<Vec<GroupId>>) {
+    let mut patches = vec![Vec::new()];
+    let mut known = BTreeMap::from([(Vec::new(), PatchId(0))]);
+    let mut of_face = vec![PatchId(0); faces.len()];
+    for same in tagged.chunk_by(|a, b| a.0 == b.0) {
+        let groups: Vec<GroupId> = same.iter().map(|(_, group)| *group).collect();
+        of_face[same[0].0] = *known.entry(groups).or_insert_with_key(|groups| {
+            patches.push(groups.clone());
+            PatchId(patches.len() as u32 - 1)
+        });
+    }
+    let faces = faces.iter().zip(of_face).map(|(&vertices, patch)| Face { vertices, patch }).collect();
+    (faces, patches)
+}

@@ -1,0 +1,83 @@
+//! What a file lists, before anything is checked across its entries.
+
+use super::runs::Runs;
+use crate::mesh::Place;
+use glam::DVec3;
+use std::collections::BTreeMap;
+
+/// Nodes as the file gives them.
+#[derive(Debug, Default)]
+pub(super) struct Nodes {
+    pub(super) ids: Runs,
+    pub(super) places: Runs,
+    pub(super) positions: Vec<DVec3>,
+}
+
+impl Nodes {
+    pub(super) fn push(&mut self, id: u32, position: DVec3, place: u64) {
+        self.ids.push(i64::from(id));
+        self.places.push(place as i64);
+        self.positions.push(position);
+    }
+}
+
+/// Elements of `N` nodes as the file gives them.
+#[derive(Debug)]
+pub(super) struct Elements<const N: usize> {
+    pub(super) ids: Runs,
+    pub(super) places: Runs,
+    /// Ids of the nodes, not indices.
+    pub(super) nodes: Vec<[u32; N]>,
+    /// Tag of the region or of the group of each, 0 if it has none.
+    pub(super) tags: Runs,
+}
+
+impl<const N: usize> Default for Elements<N> {
+    fn default() -> Self {
+        Self { ids: Runs::default(), places: Runs::default(), nodes: Vec::new(), tags: Runs::default() }
+    }
+}
+
+impl<const N: usize> Elements<N> {
+    pub(super) fn push(&mut self, id: u32, nodes: [u32; N], tag: i32, place: u64) {
+        self.ids.push(i64::from(id));
+        self.places.push(place as i64);
+        self.nodes.push(nodes);
+        self.tags.push(i64::from(tag));
+    }
+}
+
+/// The lists of a file.
+#[derive(Debug, Default)]
+pub(super) struct Raw {
+    /// Whether places are bytes; else they are lines.
+    pub(super) binary: bool,
+    pub(super) nodes: Nodes,
+    /// Tetrahedra with the tags of their regions.
+    pub(super) tets: Elements<4>,
+    /// Triangles with the tags of their groups; one that belongs to several is listed once for each.
+    pub(super) triangles: Elements<3>,
+    /// Tag of the surface that each triangle was made on, 0 if unknown. It names the groups if no triangle has a tag.
+    pub(super) surfaces: Runs,
+    /// The mid-side nodes of second-order tetrahedra.
+    pub(super) midsides: Elements<6>,
+    pub(super) region_names: BTreeMap<i32, String>,
+    pub(super) group_names: BTreeMap<i32, String>,
+    /// Sets of nodes, each a group of the faces all whose corners it holds, unless a group has that name already.
+    pub(super) node_groups: Vec<(String, Vec<u32>)>,
+    pub(super) notes: Vec<String>,
+}
+
+impl Raw {
+    /// Adds a triangle with the tags of its group and of its surface.
+    pub(super) fn triangle(&mut self, id: u32, nodes: [u32; 3], [group, surface]: [i32; 2], place: u64) {
+        self.triangles.push(id, nodes, group, place);
+        self.surfaces.push(i64::from(surface));
+    }
+
+    /// The place of an entry.
+    pub(super) fn place(&self, places: &Runs, index: usize) -> Place {
+        let at = places.get(index) as usize;
+        if self.binary { Place::Byte(at) } else { Place::Line(at) }
+    }
+}

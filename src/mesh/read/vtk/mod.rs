@@ -1,0 +1,25 @@
+//! VTK unstructured grids: legacy (`.vtk`) and XML (`.vtu`).
+
+mod arrays;
+mod decode;
+mod grid;
+mod legacy;
+mod xml;
+
+use super::raw::Raw;
+use crate::mesh::MeshError;
+use std::path::Path;
+
+/// Reads a file if it is one of the two formats.
+pub(super) fn read(path: &Path, bytes: &[u8], raw: &mut Raw) -> Result<Option<&'static str>, MeshError> {
+    let start = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
+    if start.get(..5).is_some_and(|head| head.eq_ignore_ascii_case(b"# vtk")) {
+        return legacy::read(path, bytes, raw).map(Some);
+    }
+    // Other XML files may mention the tag anywhere; in a grid it stands at the beginning.
+    let head = &start[..start.len().min(4000)];
+    if start.starts_with(b"<") && head.windows(8).any(|word| word == b"<VTKFile") {
+        return xml::read(path, bytes, raw).map(Some);
+    }
+    Ok(None)
+}

@@ -1,0 +1,276 @@
+//! XML unstructured grids (`.vtu`): arrays as text, in base64, or appended at the end of the file.
+
+use super::super::error_at;
+use super::super::raw::Raw;
+use super::arrays::Type;
+use super::decode::{Compressor, Encoded, Encoding};
+use super::grid::{Grid, is_tag};
+use crate::mesh::{MeshError, Place};
+use quick_xml::Reader;
+use quick_xml::events::{BytesStart, Event};
+use std::path::Path;
+
+const DAMAGED: &str = "the file is damaged, or not written whole: write it again";
+
+/// A file being read.
+struct Xml<'a> {
+    path: &'a Path,
+    encoding: Encoding,
+    appended: Option<Appended<'a>>,
+    /// Byte of the tag being read.
+    at: u64,
+    section: Section,
+    /// Arrays of the current piece.
+    piece: Piece,
+    array: Option<Array>,
+    pieces: usize,
+}
+
+/// The end of the file, to which arrays refer.
+struct Appended<'a> {
+    bytes: &'a [u8],
+    base64: bool,
+}
+
+#[derive(Default)]
+struct Piece {
+    points: usize,
+    cells: usize,
+    arrays: Vec<(Section, Array)>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Section {
+    Points,
+    Cells,
+    CellData,
+    Other,
+}
+
+/// An array as it stands in the file.
+struct Array {
+    name: String,
+    kind: String,
+    components: usize,
+    format: String,
+    offset: usize,
+    text: Vec<u8>,
+    /// How many tags are open inside the array's: VTK puts information there.
+    inside: usize,
+    at: u64,
+}
+
+/// Reads a file.
+pub(super) fn read(path: &Path, bytes: &[u8], raw: &mut Raw) -> Result<&'static str, MeshError> {
+    raw.binary = true;
+    // What is appended is no XML, if it is raw.
+    let tag = b"<AppendedData";
+    let head = bytes.windows(tag.len()).position(|word| word == tag).unwrap_or(bytes.len());
+    let encoding = Encoding { big_endian: false, header_bytes: 4, compressor: Compressor::None };
+    let appended = appended(&bytes[head..]);
+    let (section, piece) = (Section::Other, Piece::default());
+    let mut xml = Xml { path, encoding, appended, at: 0, section, piece, array: None, pieces: 0 };
+    let mut reader = Reader::from_reader(&bytes[..head]);
+    let mut skipped = 0;
+    loop {
+        xml.at = reader.buffer_position();
+        match reader.read_event() {
+            Ok(Event::Start(tag)) => xml.start(&tag)?,
+            Ok(Event::Empty(tag)) => {
+                xml.start(&tag)?;
+                skipped += xml.end(tag.name().as_ref(), raw)?;
+            }
+            Ok(Event::Text(text)) => {
+                if let Some(array) = xml.array.as_mut().filter(|array| array.inside == 0) {
+                    array.text.extend_from_slice(&text);
+                }
+            }
+            Ok(Event::End(tag)) => skipped += xml.end(tag.name().as_ref(), raw)?,
+            Ok(Event::Eof) => break,
+            Ok(_) => {}
+            Err(error) => return Err(xml.error(format!("the XML is damaged: {error}"), DAMAGED)),
+        }
+    }
+    if xml.pieces == 0 {
+        return Err(xml.error("expected </Piece>, found the end of the grid", DAMAGED));
+    }
+    if skipped > 0 {
+        raw.notes.push(format!("{skipped} cells that are no tetrahedra or triangles are ignored."));
+    }
+    Ok("VTK XML unstructured grid")
+}
+
+/// Takes the appended data after their tag and the sign `_`.
+fn appended(bytes: &[u8]) -> Option<Appended<'_>> {
+    let end = bytes.iter().position(|&b| b == b'>')?;
+    let base64 = bytes[..end].windows(6).any(|word| word == b"base64");
+    let begin = end + bytes[end..].iter().position(|&b| b == b'_')? + 1;
+    Some(Appended { bytes: &bytes[begin..], base64 })
+}
+
+impl Xml<'_> {
+    fn error(&self, message: impl Into<String>, help: &str) -> MeshError {
+        error_at(self.path, Place::Byte(self.at as usize), message, help)
+    }
+
+    /// The value of an attribute, empty if it is not there.
+    fn value(&self, tag: &BytesStart, name: &str) -> Result<String, MeshError> {
+        let fail = |error: String| self.error(format!("the XML is damaged: {error}"), DAMAGED);
+        match tag.try_get_attribute(name).map_err(|e| fail(e.to_string()))? {
+            Some(attribute) => Ok(attribute.unescape_value().map_err(|e| fail(e.to_string()))?.into_owned()),
+            None => Ok(String::new()),
+        }
+    }
+
+    /// A whole number; `default` if the attribute is not there.
+    fn number(&self, tag: &BytesStart, name: &str, default: usize) -> Result<usize, MeshError> {
+        let value = self.value(tag, name)?;
+        if value.is_empty() {
+            return Ok(default);
+        }
+        value.trim().parse().map_err(|_| {
+            self.error(
+                format!("{name} is {:?}, expected a whole number", value.chars().take(40).collect::<String>()),
+                DAMAGED,
+            )
+        })
+    }
+
+    fn start(&mut self, tag: &BytesStart) -> Result<(), MeshError> {
+        match tag.name().as_ref() {
+            b"VTKFile" => self.file(tag)?,
+            b"Piece" => {
+                let (points, cells) = (self.number(tag, "NumberOfPoints", 0)?, self.number(tag, "NumberOfCells", 0)?);
+                self.piece = Piece { points, cells, arrays: Vec::new() };
+            }
+            b"Points" => self.section = Section::Points,
+            b"Cells" => self.section = Section::Cells,
+            b"CellData" => self.section = Section::CellData,
+            b"PointData" | b"FieldData" => self.section = Section::Other,
+            b"DataArray" | b"Array" => {
+                self.array = Some(Array {
+                    name: self.value(tag, "Name")?,
+                    kind: self.value(tag, "type")?,
+                    components: self.number(tag, "NumberOfComponents", 1)?,
+                    format: self.value(tag, "format")?,
+                    offset: self.number(tag, "offset", 0)?,
+                    text: Vec::new(),
+                    inside: 0,
+                    at: self.at,
+                });
+            }
+            _ => {
+                if let Some(array) = &mut self.array {
+                    array.inside += 1;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// What the first tag says of the whole file.
+    fn file(&mut self, tag: &BytesStart) -> Result<(), MeshError> {
+        let kind = self.value(tag, "type")?;
+        if kind != "UnstructuredGrid" {
+            let kind: String = kind.chars().take(40).collect();
+            let help = "save the volume mesh as an unstructured grid (.vtu); of a parallel file name one of its pieces";
+            return Err(self.error(format!("a VTK file of type {kind:?}, not UnstructuredGrid"), help));
+        }
+        self.encoding.big_endian = self.value(tag, "byte_order")? == "BigEndian";
+        self.encoding.header_bytes = if self.value(tag, "header_type")? == "UInt64" { 8 } else { 4 };
+        self.encoding.compressor = match self.value(tag, "compressor")?.as_str() {
+            "" => Compressor::None,
+            "vtkZLibDataCompressor" => Compressor::Zlib,
+            "vtkLZ4DataCompressor" => Compressor::Lz4,
+            other => {
+                let other: String = other.chars().take(40).collect();
+                let message = format!("compressed by {other:?}; Zlib and LZ4 are read");
+                return Err(self.error(message, "save the file without compression, or with Zlib or LZ4"));
+            }
+        };
+        Ok(())
+    }
+
+    /// The end of a tag. Gives the number of cells passed over.
+    fn end(&mut self, name: &[u8], raw: &mut Raw) -> Result<usize, MeshError> {
+        match name {
+            b"DataArray" | b"Array" => {
+                let wanted = |array: &Array| match self.section {
+                    Section::Points | Section::Cells => true,
+                    Section::CellData => array.components == 1 && is_tag(&array.name),
+                    Section::Other => false,
+                };
+                self.piece.arrays.extend(self.array.take().filter(wanted).map(|array| (self.section, array)));
+            }
+            b"Points" | b"Cells" | b"CellData" | b"PointData" | b"FieldData" => self.section = Section::Other,
+            b"Piece" => {
+                self.pieces += 1;
+                return self.grid()?.list(self.path, raw);
+            }
+            _ => {
+                if let Some(array) = &mut self.array {
+                    array.inside = array.inside.saturating_sub(1);
+                }
+            }
+        }
+        Ok(0)
+    }
+
+    /// The arrays of the piece that has ended.
+    fn grid(&mut self) -> Result<Grid, MeshError> {
+        let Piece { points, cells, arrays } = std::mem::take(&mut self.piece);
+        let mut grid = Grid { place: self.at, ..Grid::default() };
+        if cells == 0 {
+            return Ok(grid);
+        }
+        let find = |section: Section, name: &str| {
+            let found = arrays.iter().find(|(s, array)| *s == section && (name.is_empty() || array.name == name));
+            let missing = || self.error(format!("the piece has no array {name:?} of {section:?}"), DAMAGED);
+            found.map(|(_, array)| array).ok_or_else(missing)
+        };
+        let position = find(Section::Points, "")?;
+        grid.points = self.numbers(position, points, 3)?;
+        grid.ends = self.numbers(find(Section::Cells, "offsets")?, cells, 1)?;
+        grid.types = self.numbers(find(Section::Cells, "types")?, cells, 1)?;
+        let connectivity = find(Section::Cells, "connectivity")?;
+        grid.place = connectivity.at;
+        grid.connectivity = self.numbers(connectivity, grid.ends.last().map_or(0, |&end| end as usize), 1)?;
+        for (_, array) in arrays.iter().filter(|(section, _)| *section == Section::CellData) {
+            grid.tags.push((array.name.clone(), self.numbers(array, cells, 1)?));
+        }
+        Ok(grid)
+    }
+
+    /// The numbers of an array, which must be `count` entries.
+    fn numbers(&self, array: &Array, count: usize, components: usize) -> Result<Vec<f64>, MeshError> {
+        let fail = |message: String| {
+            let name: String = array.name.chars().take(40).collect();
+            error_at(self.path, Place::Byte(array.at as usize), format!("array {name:?}: {message}"), DAMAGED)
+        };
+        let numbers = self.decode(array).map_err(fail)?;
+        if Some(numbers.len()) == count.checked_mul(components) {
+            return Ok(numbers);
+        }
+        Err(fail(format!("it holds {} numbers, expected {count} times {components}", numbers.len())))
+    }
+
+    fn decode(&self, array: &Array) -> Result<Vec<f64>, String> {
+        let kind = Type::named(&array.kind).ok_or_else(|| "its type is not read".to_owned())?;
+        let mut encoded = match (array.format.as_str(), &self.appended) {
+            ("ascii", _) => {
+                let words = array.text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+                let number = |word: &[u8]| std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
+                let wrong = |word: &[u8]| format!("{:?} is no number", String::from_utf8_lossy(word));
+                return words.map(|word| number(word).ok_or_else(|| wrong(word))).collect();
+            }
+            ("binary", _) => Encoded::new(array.text.trim_ascii(), true),
+            ("appended", Some(appended)) => {
+                let bytes = appended.bytes.get(array.offset..);
+                Encoded::new(bytes.ok_or("its offset lies behind the end of the file")?, appended.base64)
+            }
+            ("appended", None) => return Err("the appended data are missing".to_owned()),
+            _ => return Err("its format is none of ascii, binary and appended".to_owned()),
+        };
+        Ok(kind.numbers(&encoded.array(self.encoding)?, self.encoding.big_endian))
+    }
+}
