@@ -2,23 +2,27 @@
 //!
 //! Three stages: the document (text, overrides, spans), the keys as written (names and types), the checked values.
 
+mod actions;
 mod check;
 mod document;
 mod error;
+mod fields;
 mod numbers;
 mod raw;
 mod selector;
 pub mod suggest;
 mod translate;
+mod units;
 
+pub use actions::{Load, LoadKind, Support};
 pub use error::{Invalid, ScenarioError};
 pub use selector::Selector;
+pub use units::Units;
 
 use crate::adapt::options::{Estimator, Marking};
 use crate::fem::options::SolverOptions;
 use crate::output::options::{Compression, Published};
 use crate::subdiv::options::Options;
-use glam::DVec3;
 use serde::Deserialize as _;
 use std::path::{Path, PathBuf};
 
@@ -55,6 +59,8 @@ pub struct Scenario {
     pub output: Output,
     /// `[published]`.
     pub published: Option<Published>,
+    /// `[units]`.
+    pub units: Units,
     /// What is allowed but deserves a word.
     pub warnings: Vec<String>,
 }
@@ -100,43 +106,6 @@ pub struct Material {
     pub density: Option<f64>,
     /// The region it fills; all regions that no other material names if absent.
     pub group: Option<String>,
-}
-
-/// Prescribed displacements.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Support {
-    /// Name of its table.
-    pub name: String,
-    /// Where it is written.
-    pub place: String,
-    /// The boundary faces it acts on.
-    pub selector: Selector,
-    /// Prescribed displacement in x, y, z; `None` where free.
-    pub displacement: [Option<f64>; 3],
-}
-
-/// A load.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Load {
-    /// Name of its table.
-    pub name: String,
-    /// Where it is written.
-    pub place: String,
-    /// What acts where.
-    pub kind: LoadKind,
-}
-
-/// What a load does.
-#[derive(Debug, Clone, PartialEq)]
-pub enum LoadKind {
-    /// Force per area.
-    Traction(Selector, DVec3),
-    /// Force per area against the outward normal.
-    Pressure(Selector, f64),
-    /// Total force, spread evenly over the area.
-    Force(Selector, DVec3),
-    /// Acceleration of all cells.
-    Gravity(DVec3),
 }
 
 /// Which cells are refined.

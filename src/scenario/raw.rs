@@ -1,5 +1,7 @@
 //! The keys of a scenario as written: optional fields with their spans, nothing checked but names and types.
 
+use super::actions::{Fixed, RawStiffness};
+use super::fields;
 use crate::adapt::options::Estimator;
 use crate::fem::options::Method;
 use crate::output::options::Compression;
@@ -68,6 +70,7 @@ pub(super) struct RawScenario {
     pub solver: Option<Table<RawSolver>>,
     pub output: Option<Table<RawOutput>>,
     pub published: Option<Table<RawPublished>>,
+    pub units: Option<Table<super::Units>>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -153,26 +156,29 @@ macro_rules! selector_of {
 }
 
 selector_table!(RawSelector {});
-selector_table!(RawSupport { fix: Spanned<Vec<Spanned<Axis>>>, displacement: Table<RawDisplacement> });
-selector_table!(RawLoad { traction: Vector, pressure: Number, force: Vector, gravity: Vector });
+selector_table!(RawSupport {
+    fix: Spanned<Fixed>,
+    symmetry: Spanned<bool>,
+    displacement: Table<RawDisplacement>,
+    spring: Spanned<RawStiffness>
+});
+selector_table!(RawLoad {
+    traction: fields::Vector,
+    pressure: fields::Scalar,
+    force: Vector,
+    point: Vector,
+    body_force: fields::Vector,
+    gravity: Vector
+});
 selector_of!(RawSupport);
 selector_of!(RawLoad);
-
-/// A coordinate direction.
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum Axis {
-    X,
-    Y,
-    Z,
-}
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawDisplacement {
-    pub x: Option<Number>,
-    pub y: Option<Number>,
-    pub z: Option<Number>,
+    pub x: Option<fields::Scalar>,
+    pub y: Option<fields::Scalar>,
+    pub z: Option<fields::Scalar>,
 }
 
 #[derive(Debug, Deserialize)]
