@@ -19,10 +19,11 @@ fn on_box(cells: [usize; 3], text: &str) -> Resolved {
     let scenario = Scenario::from_text(&format!("{MATERIAL}{text}"), Path::new("case.toml"), &[]);
     let mut parts = box_tets([1.0, 2.0, 1.5], cells).unwrap().into_parts();
     let size = DVec3::new(1.0, 2.0, 1.5);
+    let amplitude = 0.15 / cells.into_iter().max().unwrap() as f64;
     for (v, p) in parts.points.iter_mut().enumerate() {
         if p.cmpgt(DVec3::ZERO).all() && p.cmplt(size).all() {
             let wobble = |k: f64| (k * (v as f64 + 1.0)).sin();
-            *p += 0.05 * DVec3::new(wobble(12.9), wobble(78.2), wobble(37.7));
+            *p += amplitude * DVec3::new(wobble(12.9), wobble(78.2), wobble(37.7));
         }
     }
     let scenario = scenario.unwrap_or_else(|e| panic!("{:?}", miette::Report::new(e)));

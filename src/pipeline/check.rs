@@ -8,8 +8,9 @@ use crate::error::Error;
 use crate::fem;
 use crate::field::Field;
 use crate::mesh::TetMesh;
+use crate::output::options::Units;
 use crate::output::report::write_json;
-use crate::output::table::figures;
+use crate::output::table::{figures, units};
 use crate::scenario::{Material, Refine, Scenario, Strategy};
 use std::time::Instant;
 
@@ -26,6 +27,7 @@ pub fn check(scenario: &Scenario, options: &RunOptions) -> Result<(), Error> {
     if let Some(path) = &options.json {
         let details = Details {
             mesh: MeshDetails::of(&resolved.mesh, given_groups, start.elapsed().as_secs_f64()),
+            units: scenario.units.clone(),
             materials: materials(scenario, &resolved.mesh)?,
             supports: describe::supports(&resolved),
             loads: describe::loads(&resolved)?,
@@ -37,6 +39,7 @@ pub fn check(scenario: &Scenario, options: &RunOptions) -> Result<(), Error> {
     }
     let mut text = format!("{}\n\n{}", scenario.title, describe_mesh(&resolved.mesh, file.format));
     file.notes.iter().for_each(|note| text += &format!("note: {note}\n"));
+    text += &units(&scenario.units);
     text += &describe_groups(&resolved.mesh, given_groups);
     text += &describe_materials(scenario, &resolved.mesh)?;
     text += &describe_selections(&resolved)?;
@@ -68,6 +71,8 @@ fn describe_materials(scenario: &Scenario, mesh: &TetMesh) -> Result<String, Err
 struct Details {
     #[serde(flatten)]
     mesh: MeshDetails,
+    #[serde(skip_serializing_if = "Units::is_empty")]
+    units: Units,
     materials: Vec<MaterialRecord>,
     supports: Vec<describe::Support>,
     loads: Vec<describe::Load>,

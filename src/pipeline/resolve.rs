@@ -4,6 +4,7 @@ use super::{ModelError, hints, loading, select};
 use crate::fem::{self, Model};
 use crate::field::Field;
 use crate::mesh::{GroupId, TetMesh, features, features::face_normal, topology};
+use crate::output::report::Selection;
 use crate::scenario::{Load, LoadKind, Material, Scenario, Selector, Support, suggest};
 use glam::DVec3;
 
@@ -21,19 +22,6 @@ pub struct Resolved {
     pub selections: Vec<Selection>,
     /// What is allowed but deserves a word.
     pub warnings: Vec<String>,
-}
-
-/// What a selector matched.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Selection {
-    /// Name of the support or load.
-    pub name: String,
-    /// `support` or `load`.
-    pub what: &'static str,
-    /// Number of boundary faces.
-    pub faces: usize,
-    /// Their area.
-    pub area: f64,
 }
 
 /// Resolves a scenario on its mesh.

@@ -12,16 +12,14 @@ mod raw;
 mod selector;
 pub mod suggest;
 mod translate;
-mod units;
 
 pub use actions::{Load, LoadKind, Support};
 pub use error::{Invalid, ScenarioError};
 pub use selector::Selector;
-pub use units::Units;
 
 use crate::adapt::options::{Estimator, Marking};
 use crate::fem::options::SolverOptions;
-use crate::output::options::{Compression, Published};
+use crate::output::options::{Compression, Published, Units};
 use crate::subdiv::options::Options;
 use serde::Deserialize as _;
 use std::path::{Path, PathBuf};

@@ -4,7 +4,7 @@ use super::actions::{Fixed, RawStiffness};
 use super::fields;
 use crate::adapt::options::Estimator;
 use crate::fem::options::Method;
-use crate::output::options::Compression;
+use crate::output::options::{Compression, Units};
 use crate::subdiv::options::{Boundary, Mode, Objective, QualityMeasure, Scheme};
 use serde::{Deserialize, Deserializer, de};
 use std::{collections::BTreeMap, fmt, marker::PhantomData, ops::Range};
@@ -70,7 +70,7 @@ pub(super) struct RawScenario {
     pub solver: Option<Table<RawSolver>>,
     pub output: Option<Table<RawOutput>>,
     pub published: Option<Table<RawPublished>>,
-    pub units: Option<Table<super::Units>>,
+    pub units: Option<Table<Units>>,
 }
 
 #[derive(Debug, Deserialize)]
