@@ -523,3 +523,35 @@ fn units_are_kept_as_written() {
     let s = accept(&with("[units]\nlength = \"mm\"\nstress = \"MPa\""), &[]);
     assert_eq!((s.units.length.as_deref(), s.units.stress.as_deref(), s.units.force), (Some("mm"), Some("MPa"), None));
 }
+
+/// Whether a schema, with its definitions in `root`, has a place for every key of a value.
+fn has_keys(root: &serde_json::Value, schema: &serde_json::Value, value: &toml::Value) -> bool {
+    if let Some(path) = schema["$ref"].as_str() {
+        return has_keys(root, root.pointer(path.trim_start_matches('#')).unwrap(), value);
+    }
+    if let Some(options) = schema["anyOf"].as_array().or(schema["oneOf"].as_array()) {
+        return options.iter().any(|option| has_keys(root, option, value));
+    }
+    match value {
+        toml::Value::Table(table) => table.iter().all(|(key, value)| {
+            let known = schema["properties"].get(key).or(schema.get("additionalProperties"));
+            known.is_some_and(|inner| inner.is_object() && has_keys(root, inner, value))
+        }),
+        toml::Value::Array(list) => list.iter().all(|item| has_keys(root, &schema["items"], item)),
+        _ => true,
+    }
+}
+
+#[test]
+fn the_schema_knows_every_key_and_no_other() {
+    let schema = subsolid::scenario::schema();
+    let more = "[units]\nlength = \"mm\"\n[supports.s]\ngroup = \"g\"\nsymmetry = true\nspring = [1, 2, 3]\n\
+         [loads.q]\npoint = [0, 0, 0]\nforce = [1, 0, 0]\n[loads.r]\nbody_force = [\"x\", 0, 0]\n";
+    let text = format!("{EVERY_KEY}{more}");
+    accept(&text, &[]);
+    let known = |text: &str| has_keys(&schema, &schema, &toml::Value::Table(text.parse().unwrap()));
+    assert!(known(&text));
+    for wrong in [("steps = 4", "stepz = 4"), ("[units]", "[unit]"), ("radius = 2", "diameter = 4")] {
+        assert!(!known(&text.replacen(wrong.0, wrong.1, 1)), "{wrong:?}");
+    }
+}

@@ -5,11 +5,12 @@ use super::fields::{field, vector_field};
 use super::numbers::{Checked, outside, vector};
 use super::raw::{Named, RawLoad, RawSupport, Table};
 use super::selector::{KINDS, Selector, at_most_one, no_selector, one};
+use super::spanned::Spanned;
 use crate::field::{Field, VectorField};
 use glam::DVec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, de};
 use std::{fmt, ops::Range};
-use toml::Spanned;
 
 /// What holds the solid.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,7 +58,7 @@ pub enum LoadKind {
 }
 
 /// A direction that a support can fix.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Direction {
     X,
@@ -67,7 +68,8 @@ pub(super) enum Direction {
 }
 
 /// `fix`: one direction or several.
-#[derive(Debug)]
+#[derive(Debug, JsonSchema)]
+#[schemars(untagged)]
 pub(super) enum Fixed {
     One(Direction),
     Many(Vec<Spanned<Direction>>),
@@ -98,7 +100,8 @@ impl<'de> de::Visitor<'de> for FixedVisitor {
 }
 
 /// `spring`: one stiffness, or one each direction.
-#[derive(Debug)]
+#[derive(Debug, JsonSchema)]
+#[schemars(untagged)]
 pub(super) enum RawStiffness {
     One(f64),
     Many(Vec<f64>),

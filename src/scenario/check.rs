@@ -4,11 +4,11 @@ use super::document::Document;
 use super::error::Fault;
 use super::numbers::{Checked, integer, outside, positive, vector, within};
 use super::raw::*;
+use super::spanned::Spanned;
 use super::*;
 use crate::output::options::PublishedStep;
 use crate::subdiv::options::{Boundary, Mode, Objective, Optimise, QualityMeasure, Scheme};
 use std::ops::Range;
-use toml::Spanned;
 
 /// Most refinement steps a scenario may ask for.
 const MAX_STEPS: i64 = 20;

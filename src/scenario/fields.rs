@@ -2,14 +2,16 @@
 
 use super::error::Fault;
 use super::numbers::{Checked, outside};
+use super::spanned::Spanned;
 use super::suggest;
 use crate::field::{Expression, Field, NAMES, VectorField};
+use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, de};
 use std::{fmt, ops::Range};
-use toml::Spanned;
 
 /// A number, or the text of an expression.
-#[derive(Debug)]
+#[derive(Debug, JsonSchema)]
+#[schemars(untagged)]
 pub(super) enum RawField {
     Number(f64),
     Text(String),

@@ -10,6 +10,7 @@ mod fields;
 mod numbers;
 mod raw;
 mod selector;
+mod spanned;
 pub mod suggest;
 mod translate;
 
@@ -107,7 +108,7 @@ pub struct Material {
 }
 
 /// Which cells are refined.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Strategy {
     /// Those the error estimate asks for.
@@ -233,6 +234,12 @@ impl Scenario {
     pub fn name(&self) -> String {
         self.path.file_stem().map_or_else(|| "scenario".to_owned(), |s| s.to_string_lossy().into_owned())
     }
+}
+
+/// The JSON schema of scenarios: keys, types and words, for editors. Ranges, and what goes together, only reading tells.
+#[must_use]
+pub fn schema() -> serde_json::Value {
+    schemars::schema_for!(raw::RawScenario).to_value()
 }
 
 /// Sets `key` in the table `name`, which is made if it is not there.
