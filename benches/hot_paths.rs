@@ -21,8 +21,8 @@ fn cube(bricks: usize) -> TetMesh {
 }
 
 fn model(mesh: &TetMesh) -> Model {
-    let clamp = Support { name: "clamp".to_owned(), group: mesh.group("x-min").unwrap(), displacement: [Some(0.0); 3] };
-    let pull = LoadKind::Traction(mesh.group("x-max").unwrap(), DVec3::new(1.0, 0.0, -0.2));
+    let clamp = Support::new("clamp", mesh.group("x-min").unwrap(), [Some(0.0); 3]);
+    let pull = LoadKind::Traction(mesh.group("x-max").unwrap(), DVec3::new(1.0, 0.0, -0.2).into());
     let material = Material { youngs_modulus: 1000.0, poissons_ratio: 0.3, density: 0.0 };
     Model {
         materials: vec![material],

@@ -64,6 +64,8 @@ pub enum Command {
         #[command(flatten)]
         common: Common,
     },
+    /// Print the JSON schema of scenarios, for editors
+    Schema,
     /// Print a completion script for a shell
     Completions {
         /// The shell

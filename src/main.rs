@@ -41,6 +41,7 @@ fn main() -> ExitCode {
             let json = common.json;
             finish(inspect(&Inspection { mesh, feature_angle, quiet, json }))
         }
+        Command::Schema => finish(subsolid::pipeline::print(&format!("{:#}\n", subsolid::scenario::schema()))),
         Command::Completions { shell } => completions(shell),
     }
 }

@@ -4,6 +4,7 @@
 use glam::DVec3;
 use subsolid::fem::options::{Method, SolverOptions};
 use subsolid::fem::{self, FemError, Load, LoadKind, Material, Model, Solution, Support};
+use subsolid::field::Field;
 use subsolid::mesh::generate::box_tets;
 use subsolid::mesh::{GroupId, RegionId, TetMesh};
 use subsolid::subdiv::options::{Options, Scheme};
@@ -13,7 +14,7 @@ const STIFF: Material = Material { youngs_modulus: 1000.0, poissons_ratio: 0.3, 
 const FIXED: [Option<f64>; 3] = [Some(0.0); 3];
 
 fn support(name: &str, group: GroupId, displacement: [Option<f64>; 3]) -> Support {
-    Support { name: name.to_owned(), group, displacement }
+    Support::new(name, group, displacement)
 }
 
 fn load(kind: LoadKind) -> Load {
@@ -54,7 +55,7 @@ fn rollers(mesh: &TetMesh) -> Vec<Support> {
 fn pressed_box(cells: usize) -> (TetMesh, Model) {
     let mesh = box_tets([1.0; 3], [cells; 3]).unwrap();
     let supports = vec![support("foot", group(&mesh, "z-min"), FIXED)];
-    let loads = vec![load(LoadKind::Pressure(group(&mesh, "z-max"), 1.0))];
+    let loads = vec![load(LoadKind::Pressure(group(&mesh, "z-max"), 1.0.into()))];
     (mesh, Model { materials: vec![STIFF], supports, loads })
 }
 
@@ -63,8 +64,10 @@ fn bar_in_tension_stretches_by_stress_times_length_over_e() {
     let mesh = box_tets([4.0, 1.0, 1.0], [5, 2, 3]).unwrap();
     let end = group(&mesh, "x-max");
     let pull = DVec3::new(7.0, 0.0, 0.0);
-    for kind in [LoadKind::Traction(end, pull), LoadKind::Pressure(end, -7.0), LoadKind::Force(end, pull)] {
-        let model = Model { materials: vec![STIFF], supports: rollers(&mesh), loads: vec![load(kind)] };
+    for kind in
+        [LoadKind::Traction(end, pull.into()), LoadKind::Pressure(end, Field::from(-7.0)), LoadKind::Force(end, pull)]
+    {
+        let model = Model { materials: vec![STIFF], supports: rollers(&mesh), loads: vec![load(kind.clone())] };
         fem::check_constraints(&mesh, &model).unwrap();
         for method in [Method::Direct, Method::Cg, Method::Auto] {
             let solution = analyse(&mesh, &model, method);
@@ -92,7 +95,7 @@ fn bars_in_series_add_their_stretch() {
     parts.region_names = vec!["stiff".to_owned(), "soft".to_owned()];
     let mesh = TetMesh::new(parts).unwrap();
     let bar = |youngs_modulus| Material { youngs_modulus, poissons_ratio: 0.0, density: 0.0 };
-    let pull = LoadKind::Traction(group(&mesh, "x-max"), DVec3::new(6.0, 0.0, 0.0));
+    let pull = LoadKind::Traction(group(&mesh, "x-max"), DVec3::new(6.0, 0.0, 0.0).into());
     let materials = vec![bar(1000.0), bar(10.0)];
     let model = Model { materials, supports: rollers(&mesh), loads: vec![load(pull)] };
     for method in [Method::Direct, Method::Cg] {
@@ -281,8 +284,8 @@ fn senseless_models_are_refused_by_name() {
     refuse(material(Material { poissons_ratio: 0.5, ..STIFF }), "Poisson's ratio is 0.5");
     refuse(material(Material { youngs_modulus: f64::NAN, ..STIFF }), "NaN");
     refuse(Model { supports: vec![support("lost", GroupId(77), [None; 3])], ..good.clone() }, "\"lost\"");
-    refuse(Model { loads: vec![load(LoadKind::Pressure(GroupId(77), 1.0))], ..good.clone() }, "\"load\"");
-    refuse(Model { loads: vec![load(LoadKind::Pressure(GroupId(1), f64::INFINITY))], ..good.clone() }, "inf");
+    refuse(Model { loads: vec![load(LoadKind::Pressure(GroupId(77), 1.0.into()))], ..good.clone() }, "\"load\"");
+    refuse(Model { loads: vec![load(LoadKind::Pressure(GroupId(1), f64::INFINITY.into()))], ..good.clone() }, "inf");
     let massless = material(Material { density: 0.0, ..STIFF });
     refuse(Model { loads: vec![load(LoadKind::Gravity(DVec3::X))], ..massless }, "no density");
     let mut supports = rollers(&mesh);
@@ -307,7 +310,7 @@ fn tripod() -> Option<(TetMesh, Model)> {
     let (feet, top) = (level(&mesh, -10.0), level(&mesh, 13.0));
     let (mesh, feet) = mesh.with_group("feet", &feet).unwrap();
     let (mesh, top) = mesh.with_group("top", &top).unwrap();
-    let loads = vec![load(LoadKind::Traction(top, DVec3::new(0.0, -1.0, 0.0)))];
+    let loads = vec![load(LoadKind::Traction(top, DVec3::new(0.0, -1.0, 0.0).into()))];
     Some((mesh, Model { materials: vec![STIFF], supports: vec![support("feet", feet, FIXED)], loads }))
 }
 
@@ -375,7 +378,7 @@ fn bytes_on(threads: usize, mesh: &TetMesh, model: &Model, method: Method) -> Ve
 fn bytes_do_not_depend_on_the_number_of_threads() {
     let mesh = box_tets([3.0, 1.0, 1.0], [36, 12, 12]).unwrap();
     let supports = vec![support("foot", group(&mesh, "x-min"), FIXED)];
-    let loads = vec![load(LoadKind::Traction(group(&mesh, "x-max"), DVec3::Y))];
+    let loads = vec![load(LoadKind::Traction(group(&mesh, "x-max"), DVec3::Y.into()))];
     let model = Model { materials: vec![STIFF], supports, loads };
     for method in [Method::Direct, Method::Cg] {
         let one = bytes_on(1, &mesh, &model, method);

@@ -8,7 +8,7 @@ use subsolid::mesh::TetMesh;
 use subsolid::pipeline::resolve::{Resolved, resolve};
 use subsolid::pipeline::{ModelError, select};
 use subsolid::scenario::{Scenario, Selector};
-use subsolid::{Error, fem};
+use subsolid::{Error, fem, fem::FemError};
 
 const BASE: &str = r#"
 [mesh]
@@ -144,9 +144,11 @@ fn supports_may_agree_but_not_contradict_where_they_meet() {
     let side = "[supports.side]\nplane = { normal = [1, 0, 0], offset = 0 }\n";
     assert!(resolved(&format!("{side}fix = [\"x\"]"), &[]).is_ok());
     let (error, _) = refused(&format!("{BASE}{side}displacement = {{ y = 0.25 }}"));
-    let ModelError::Conflict { vertex, axis, names, values, position } = error else { panic!("{error}") };
-    assert_eq!((axis, names, values), ('y', ["feet".to_owned(), "side".to_owned()], [0.0, 0.25]));
-    assert_eq!((position.x, position.y, brick().points()[vertex as usize]), (0.0, 0.0, position));
+    let ModelError::Fem(FemError::ConflictingSupports { first, second, axis, values, vertex, position }) = error else {
+        panic!("{error}")
+    };
+    assert_eq!((first.as_str(), second.as_str(), axis, values), ("feet", "side", "y", [0.0, 0.25]));
+    assert_eq!((position.x, position.y, brick().points()[vertex]), (0.0, 0.0, position));
 }
 
 #[test]
@@ -169,4 +171,49 @@ fn loads_that_do_nothing_are_warned_of() {
     warned(&["loads.push.traction=[0, 0, 0]"], "nothing loads the model");
     warned(&["loads.push.group=y-min"], "fixed vertices only");
     warned(&["loads.pull.group=y-max", "loads.pull.force=[0, 2, 0]"], "cancel out");
+}
+
+#[test]
+fn a_sliding_support_needs_faces_normal_to_one_axis() {
+    let text = |selector: &str| format!("{BASE}[supports.s]\n{selector}\nsymmetry = true\n");
+    let (error, help) = refused(&text("any = [{ group = \"y-max\" }, { plane = { normal = [1, 0, 0], offset = 0 } }]"));
+    assert!(error.to_string().contains("normal to") && help.contains("each plane"), "{error} {help}");
+    let turned = {
+        let mut parts = brick().into_parts();
+        parts.points.iter_mut().for_each(|p| *p = glam::DMat3::from_rotation_z(0.3) * *p);
+        TetMesh::new(parts).unwrap()
+    };
+    let error = resolve(&scenario(&text("group = \"y-max\""), &[]), turned).expect_err("accepted");
+    assert!(matches!(error, ModelError::NotSliding { .. }), "{error}");
+    assert_eq!(Error::from(error).exit_code(), 5);
+}
+
+#[test]
+fn a_point_outside_the_mesh_is_refused_with_the_nearest_vertex() {
+    let text = format!("{BASE}[loads.p]\npoint = [2, 1.01, 1]\nforce = [0, 0, 1]\n");
+    let (error, help) = refused(&text);
+    assert!(error.to_string().contains("(2, 1.01, 1)") && help.contains("(2, 1, 1)"), "{error} {help}");
+    assert!(resolved("[loads.p]\npoint = [2, 1.0000001, 1]\nforce = [0, 0, 1]", &[]).is_ok());
+}
+
+#[test]
+fn an_expression_without_value_names_the_point() {
+    for text in [
+        "[loads.p]\ngroup = \"y-max\"\ntraction = [0, \"ln(x - 1)\", 0]\n",
+        "[loads.p]\nbody_force = [0, \"sqrt(-z)\", 0]\n",
+        "[supports.p]\ngroup = \"y-max\"\ndisplacement = { y = \"1/x\" }\n",
+        "[loads.p]\ngroup = \"y-max\"\npressure = \"max(ln(x - 1), 0)\"\n",
+    ] {
+        let (error, _) = refused(&format!("{BASE}{text}"));
+        let ModelError::Fem(FemError::NotFiniteAt { name, value, .. }) = &error else { panic!("{error}") };
+        assert!(name == "p" && !value.is_finite(), "{error}");
+    }
+}
+
+#[test]
+fn expressions_that_mean_the_same_do_not_contradict() {
+    let side = "[supports.side]\nplane = { normal = [1, 0, 0], offset = 2 }\n";
+    assert!(resolved(&format!("{side}displacement = {{ y = \"sin(pi*x/2)*y\" }}"), &[]).is_ok());
+    let r = resolved(&format!("{side}displacement = {{ x = \"y + z\" }}"), &["supports.feet.fix=[\"y\", \"z\"]"]);
+    assert!(r.is_ok());
 }

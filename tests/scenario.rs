@@ -5,6 +5,7 @@ use std::path::Path;
 use subsolid::Error;
 use subsolid::adapt::options::{Estimator, Marking};
 use subsolid::fem::options::Method;
+use subsolid::field::Field;
 use subsolid::scenario::{Invalid, LoadKind, MeshSource, Scenario, ScenarioError, Selector, Stop, Strategy};
 use subsolid::subdiv::options::{Boundary, QualityMeasure, Scheme};
 
@@ -67,8 +68,8 @@ fn defaults_are_those_of_the_manual() {
     assert_eq!((s.features.angle, s.refine.strategy), (40.0, Strategy::None));
     assert_eq!((s.adapt.estimator, s.adapt.marking, s.adapt.grow), (Estimator::Spr, Marking::Doerfler(0.5), 0));
     assert_eq!((s.solver.method, s.solver.tolerance), (Method::Auto, 1e-8));
-    assert_eq!(s.supports[0].displacement, [Some(0.0); 3]);
-    assert_eq!(s.loads[0].kind, LoadKind::Traction(Selector::Group("y-max".to_owned()), glam::DVec3::NEG_Y));
+    assert_eq!(s.supports[0].displacement, [const { Some(Field::ZERO) }; 3]);
+    assert_eq!(s.loads[0].kind, LoadKind::Traction(Selector::Group("y-max".to_owned()), glam::DVec3::NEG_Y.into()));
     assert!(s.output.vtk && s.output.report && s.warnings.is_empty());
 }
 
@@ -144,7 +145,7 @@ fn every_key_is_read() {
     assert_eq!((size, cells), ([4.0, 1.0, 1.5], [8, 2, 3]));
     assert_eq!((s.features.angle, s.features.edges, s.features.corners), (70.0, vec![[0, 1], [3, 2]], vec![5]));
     assert_eq!((s.materials[1].density, s.materials[1].group.as_deref()), (Some(2.0), Some("soft")));
-    assert_eq!(s.supports[0].displacement, [None, Some(-0.1), Some(0.0)]);
+    assert_eq!(s.supports[0].displacement, [None, Some((-0.1).into()), Some(Field::ZERO)]);
     assert!(matches!(&s.supports[1].selector, Selector::Any(list) if list.len() == 2));
     assert_eq!(s.loads.iter().map(|l| l.name.as_str()).collect::<Vec<_>>(), ["f", "p", "w"]);
     let stop =
@@ -376,7 +377,7 @@ fn a_scenario_written_to_run_again_is_the_same() {
     assert_eq!((again.title, again.refine.steps, again.refine.options), (s.title, 2, s.refine.options));
     assert_eq!((again.adapt, again.solver, again.output), (s.adapt, s.solver, s.output));
     let supports = |list: &[subsolid::scenario::Support]| {
-        list.iter().map(|s| (s.selector.clone(), s.displacement)).collect::<Vec<_>>()
+        list.iter().map(|s| (s.selector.clone(), s.displacement.clone())).collect::<Vec<_>>()
     };
     assert_eq!(supports(&again.supports), supports(&s.supports));
     assert_eq!(again.supports.len(), 2);
@@ -467,5 +468,90 @@ proptest::proptest! {
             assert!(fault.place.starts_with("--set ") || fault.place.starts_with("dir/case.toml:"), "{fault}");
             assert!(!format!("{:?}", miette::Report::new(error)).is_empty());
         }
+    }
+}
+
+#[test]
+fn an_expression_is_refused_where_it_is_wrong() {
+    for (text, key, label, advice) in [
+        ("traction = [0, \"sine(x)\", 0]", "loads.b.traction[1]", "sine", "did you mean `sin`?"),
+        ("traction = [0, \"1e3*X\", 0]", "loads.b.traction[1]", "X", "did you mean `x`?"),
+        ("traction = [\"2x\", 0, 0]", "loads.b.traction[0]", "x", "for example"),
+        ("pressure = \"(z - 2\"", "loads.b.pressure", "\"(z - 2\"", "for example"),
+        ("pressure = \"\"", "loads.b.pressure", "\"\"", "for example"),
+        ("pressure = \"1/0\"", "loads.b.pressure", "\"1/0\"", ""),
+        ("pressure = \"\\u0078 + r\"", "loads.b.pressure", "\"\\u0078 + r\"", "its"),
+    ] {
+        let fault = refuse(&with(&format!("[loads.b]\ngroup = \"g\"\n{text}")), &[]);
+        assert_eq!((fault.key.as_str(), labelled(&fault)), (key, label), "{fault}");
+        assert!(help(&fault).contains(advice) || advice == "its", "{text}: {}", help(&fault));
+    }
+    let fault = refuse(BASE, &["loads.push.traction=[0, \"y + sine(x)\", 0]"]);
+    assert_eq!((labelled(&fault), fault.place.starts_with("--set")), ("sine", true), "{fault}");
+    let fault = refuse(&with("[supports.b]\ngroup = \"g\"\ndisplacement = { x = true }"), &[]);
+    assert!(fault.message.contains("a number or an expression") && fault.message.contains("true"), "{fault}");
+}
+
+#[test]
+fn supports_and_loads_say_what_does_not_go_together() {
+    for (text, key, word) in [
+        ("[supports.b]\ngroup = \"g\"", "supports.b", "spring"),
+        ("[supports.b]\ngroup = \"g\"\nspring = 0", "supports.b.spring", "not all zero"),
+        ("[supports.b]\ngroup = \"g\"\nspring = [1, -1, 0]", "supports.b.spring", "not negative"),
+        ("[supports.b]\ngroup = \"g\"\nspring = [1, 2]", "supports.b.spring", "3"),
+        ("[supports.b]\ngroup = \"g\"\nspring = nan", "supports.b.spring", "finite"),
+        ("[supports.b]\ngroup = \"g\"\nfix = \"norml\"", "supports.b.fix", "did you mean `normal`?"),
+        ("[supports.b]\ngroup = \"g\"\nfix = [\"normal\", \"x\"]", "supports.b.fix[0]", "two supports"),
+        ("[supports.b]\ngroup = \"g\"\nsymmetry = false", "supports.b", "prescribes nothing"),
+        ("[loads.b]\npoint = [0, 0, 0]", "loads.b.point", "force"),
+        ("[loads.b]\npoint = [0, 0]\nforce = [1, 0, 0]", "loads.b.point", "3"),
+        ("[loads.b]\npoint = [0, 0, 0]\nforce = [1, 0, 0]\ngroup = \"g\"", "loads.b", "remove the selector"),
+        ("[loads.b]\nbody_force = [1, 0, 0]\ngroup = \"g\"", "loads.b", "all cells"),
+        ("[loads.b]\nbody_force = [1, 0, 0]\ngravity = [0, 0, 1]", "loads.b.gravity", "one kind"),
+        ("[units]\nlenght = \"mm\"", "units.lenght", "did you mean `length`?"),
+        ("[units]\nlength = 1", "units.length", "a string"),
+    ] {
+        let fault = refuse(&with(text), &[]);
+        assert_eq!(fault.key, key, "{text}: {fault}");
+        let said = format!("{} {}", fault.message, help(&fault));
+        assert!(said.contains(word), "{text}: {said}");
+    }
+}
+
+#[test]
+fn units_are_kept_as_written() {
+    let s = accept(&with("[units]\nlength = \"mm\"\nstress = \"MPa\""), &[]);
+    assert_eq!((s.units.length.as_deref(), s.units.stress.as_deref(), s.units.force), (Some("mm"), Some("MPa"), None));
+}
+
+/// Whether a schema, with its definitions in `root`, has a place for every key of a value.
+fn has_keys(root: &serde_json::Value, schema: &serde_json::Value, value: &toml::Value) -> bool {
+    if let Some(path) = schema["$ref"].as_str() {
+        return has_keys(root, root.pointer(path.trim_start_matches('#')).unwrap(), value);
+    }
+    if let Some(options) = schema["anyOf"].as_array().or(schema["oneOf"].as_array()) {
+        return options.iter().any(|option| has_keys(root, option, value));
+    }
+    match value {
+        toml::Value::Table(table) => table.iter().all(|(key, value)| {
+            let known = schema["properties"].get(key).or(schema.get("additionalProperties"));
+            known.is_some_and(|inner| inner.is_object() && has_keys(root, inner, value))
+        }),
+        toml::Value::Array(list) => list.iter().all(|item| has_keys(root, &schema["items"], item)),
+        _ => true,
+    }
+}
+
+#[test]
+fn the_schema_knows_every_key_and_no_other() {
+    let schema = subsolid::scenario::schema();
+    let more = "[units]\nlength = \"mm\"\n[supports.s]\ngroup = \"g\"\nsymmetry = true\nspring = [1, 2, 3]\n\
+         [loads.q]\npoint = [0, 0, 0]\nforce = [1, 0, 0]\n[loads.r]\nbody_force = [\"x\", 0, 0]\n";
+    let text = format!("{EVERY_KEY}{more}");
+    accept(&text, &[]);
+    let known = |text: &str| has_keys(&schema, &schema, &toml::Value::Table(text.parse().unwrap()));
+    assert!(known(&text));
+    for wrong in [("steps = 4", "stepz = 4"), ("[units]", "[unit]"), ("radius = 2", "diameter = 4")] {
+        assert!(!known(&text.replacen(wrong.0, wrong.1, 1)), "{wrong:?}");
     }
 }

@@ -1,9 +1,10 @@
 //! Choices of estimation and marking, plain data.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// How the error is estimated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Estimator {
     /// Superconvergent patch recovery, Zienkiewicz and Zhu 1992.
@@ -13,7 +14,7 @@ pub enum Estimator {
 }
 
 /// Which cells are selected.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Marking {
     /// The smallest set that holds this fraction of the squared error (Doerfler).

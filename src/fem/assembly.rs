@@ -2,7 +2,7 @@
 
 use super::block_matrix::{BlockMatrix, CHUNK};
 use super::numbering::Dofs;
-use super::{FemError, Model, check, loads, tet4};
+use super::{FemError, Model, check, loads, springs, tet4};
 use crate::mesh::TetMesh;
 use crate::mesh::topology::VertexCells;
 use glam::{DMat3, DVec3};
@@ -50,7 +50,9 @@ impl System {
 pub fn assemble(mesh: &TetMesh, model: &Model) -> Result<System, FemError> {
     check::check(mesh, model)?;
     let numbering = Dofs::new(mesh, model)?;
-    let (stiffness, loads) = (stiffness(mesh, model), loads::nodal_forces(mesh, model));
+    let loads = loads::nodal_forces(mesh, model)?;
+    let mut stiffness = stiffness(mesh, model);
+    springs::add(mesh, model, &mut stiffness);
     Ok(System { stiffness, loads, numbering, points: mesh.points().to_vec() })
 }
 

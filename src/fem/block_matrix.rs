@@ -28,6 +28,13 @@ impl BlockMatrix {
         self.columns[range.clone()].iter().map(|&j| j as usize).zip(&self.blocks[range])
     }
 
+    /// The block of row `i` and column `j`, if it is stored.
+    pub fn block_mut(&mut self, i: u32, j: u32) -> Option<&mut DMat3> {
+        let range = self.starts[i as usize]..self.starts[i as usize + 1];
+        let slot = self.columns[range.clone()].binary_search(&j).ok()?;
+        self.blocks.get_mut(range.start + slot)
+    }
+
     /// `(K x)_i`.
     pub fn row_times(&self, i: usize, x: &[DVec3]) -> DVec3 {
         self.row(i).fold(DVec3::ZERO, |sum, (j, block)| sum + *block * x[j])

@@ -1,6 +1,7 @@
 //! Whether a model makes sense on a mesh, before anything is computed.
 
 use super::{FemError, LoadKind, Material, Model};
+use crate::field::Field;
 use crate::mesh::{GroupId, TetMesh};
 
 /// Checks materials, values and groups.
@@ -19,21 +20,35 @@ pub(super) fn check(mesh: &TetMesh, model: &Model) -> Result<(), FemError> {
     }
     for support in &model.supports {
         check_group(mesh, support.group, "support", &support.name)?;
-        check_finite(support.displacement.into_iter().flatten(), "support", &support.name)?;
+        let prescribed = support.displacement.iter().flatten().filter_map(Field::constant);
+        check_finite(prescribed.chain(support.stiffness.to_array()), "support", &support.name)?;
+        if support.stiffness.min_element() < 0.0 {
+            return Err(FemError::NegativeStiffness { support: support.name.clone(), stiffness: support.stiffness });
+        }
     }
     for load in &model.loads {
-        let (group, values) = match load.kind {
-            LoadKind::Traction(group, v) | LoadKind::Force(group, v) => (Some(group), v.to_array()),
-            LoadKind::Pressure(group, p) => (Some(group), [p, 0.0, 0.0]),
-            LoadKind::Gravity(v) => (None, v.to_array()),
+        let (group, values) = match &load.kind {
+            LoadKind::Traction(group, field) => (Some(*group), constants(&field.0)),
+            LoadKind::Pressure(group, field) => (Some(*group), constants(std::slice::from_ref(field))),
+            LoadKind::Force(group, force) => (Some(*group), force.to_array().to_vec()),
+            LoadKind::PointForce(x, force) => (None, [x.to_array(), force.to_array()].concat()),
+            LoadKind::BodyForce(field) => (None, constants(&field.0)),
+            LoadKind::Gravity(acceleration) => (None, acceleration.to_array().to_vec()),
         };
         check_finite(values.into_iter(), "load", &load.name)?;
-        match group {
-            Some(group) => check_group(mesh, group, "load", &load.name)?,
-            None => check_density(mesh, model, &load.name)?,
+        if let Some(group) = group {
+            check_group(mesh, group, "load", &load.name)?;
+        }
+        if matches!(load.kind, LoadKind::Gravity(_)) {
+            check_density(mesh, model, &load.name)?;
         }
     }
     Ok(())
+}
+
+/// The values that are known before fields are evaluated.
+fn constants(fields: &[Field]) -> Vec<f64> {
+    fields.iter().filter_map(Field::constant).collect()
 }
 
 fn material_problem(material: &Material) -> Option<String> {

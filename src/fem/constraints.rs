@@ -28,7 +28,7 @@ const MAX_NAMED: usize = 3;
 pub fn check_constraints(mesh: &TetMesh, model: &Model) -> Result<(), FemError> {
     check::check(mesh, model)?;
     let bodies = Bodies::new(mesh);
-    let rows = bodies.constraint_rows(mesh, &Dofs::new(mesh, model)?);
+    let rows = bodies.constraint_rows(mesh, model, &Dofs::new(mesh, model)?);
     let mut motions = Vec::new();
     for cluster in bodies.clusters() {
         let free = free_motions(&cluster, &rows);
@@ -112,13 +112,22 @@ impl Bodies {
     }
 
     /// The conditions of the supports and joints, by part; those of a joint with the first of its two.
-    fn constraint_rows(&self, mesh: &TetMesh, numbering: &Dofs) -> Vec<Vec<Row>> {
+    fn constraint_rows(&self, mesh: &TetMesh, model: &Model, numbering: &Dofs) -> Vec<Vec<Row>> {
         let modes = |part: u32, v: u32, c: usize| self.parts[part as usize].modes(mesh.points()[v as usize], c);
         let mut rows: Vec<Vec<Row>> = self.parts.iter().map(|_| Vec::new()).collect();
         for p in numbering.prescribed() {
             let part = self.part_at[p.node as usize];
             let coefficients = modes(part, p.node, p.component as usize);
             rows[part as usize].push(Row { coefficients, other: None });
+        }
+        // A foundation holds the corners of its faces: no motion but zero has zero in all of them and energy none.
+        for support in &model.supports {
+            let held: Vec<usize> = (0..3).filter(|&c| support.stiffness[c] > 0.0).collect();
+            for v in mesh.group_faces(support.group).flat_map(|f| f.vertices) {
+                let part = self.part_at[v as usize];
+                let row = |c| Row { coefficients: modes(part, v, c), other: None };
+                rows[part as usize].extend(held.iter().map(|&c| row(c)));
+            }
         }
         for &(v, a, b) in &self.joints {
             let row = |c| Row { coefficients: modes(a, v, c), other: Some((b, modes(b, v, c))) };

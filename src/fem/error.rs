@@ -1,5 +1,6 @@
 //! Why a model cannot be solved.
 
+use crate::field::Field;
 use glam::DVec3;
 
 /// Why a model cannot be solved: the first variants blame the model (see [`FemError::is_model`]), the rest the solver.
@@ -41,6 +42,30 @@ pub enum FemError {
         name: String,
         /// The value.
         value: f64,
+    },
+    /// An elastic foundation that pushes the wrong way.
+    #[error("support {support:?}: a foundation of negative stiffness, {stiffness}")]
+    #[diagnostic(help("a stiffness per area is positive, or zero where there is none"))]
+    NegativeStiffness {
+        /// Name of the support.
+        support: String,
+        /// Stiffness in x, y, z.
+        stiffness: DVec3,
+    },
+    /// An expression has no finite value where it is needed.
+    #[error("{what} {name:?}: \"{field}\" is {value} at ({}, {}, {})", position.x, position.y, position.z)]
+    #[diagnostic(help("change the expression, or select only faces where it is defined"))]
+    NotFiniteAt {
+        /// "support" or "load".
+        what: &'static str,
+        /// Its name.
+        name: String,
+        /// The expression.
+        field: String,
+        /// Its value there.
+        value: f64,
+        /// Where.
+        position: DVec3,
     },
     /// Two supports prescribe different values of one displacement.
     #[error(
@@ -115,6 +140,12 @@ pub enum FemError {
 }
 
 impl FemError {
+    /// The error of a field of a support or load that is not finite at `position`.
+    pub(super) fn not_finite_at(what: &'static str, name: &str, field: &Field, position: DVec3) -> Self {
+        let (name, value) = (name.to_owned(), field.at(position));
+        Self::NotFiniteAt { what, name, field: field.to_string(), value, position }
+    }
+
     /// True if the model is at fault, false if the solver is.
     #[must_use]
     pub fn is_model(&self) -> bool {
@@ -123,6 +154,8 @@ impl FemError {
             | Self::NoDensity { .. }
             | Self::EmptyGroup { .. }
             | Self::NotFinite { .. }
+            | Self::NotFiniteAt { .. }
+            | Self::NegativeStiffness { .. }
             | Self::ConflictingSupports { .. }
             | Self::FreeMotion { .. } => true,
             Self::OutOfRange { .. }

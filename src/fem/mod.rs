@@ -12,8 +12,10 @@ mod loads;
 mod material;
 mod numbering;
 pub mod options;
+mod quadrature;
 mod recover;
 mod solve;
+mod springs;
 #[cfg(test)]
 mod tests;
 mod tet4;
@@ -21,10 +23,13 @@ mod tet4;
 pub use assembly::{System, assemble};
 pub use constraints::check_constraints;
 pub use error::FemError;
+pub use loads::{distance_outside, load_forces};
 pub use material::{double_contraction, von_mises};
+pub use numbering::{Prescribed, prescribed};
 pub use recover::{Solution, global_balance, recover};
 pub use solve::{Solved, SolverInfo, solve};
 
+use crate::field::{Field, VectorField};
 use crate::mesh::GroupId;
 use glam::DVec3;
 
@@ -42,7 +47,7 @@ pub struct Material {
     pub density: f64,
 }
 
-/// Prescribed displacement on a group of boundary faces.
+/// What holds a group of boundary faces: prescribed displacement, an elastic foundation, or both.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Support {
     /// Name in the scenario.
@@ -50,7 +55,18 @@ pub struct Support {
     /// Where.
     pub group: GroupId,
     /// Prescribed displacement in x, y, z; `None` where free.
-    pub displacement: [Option<f64>; 3],
+    pub displacement: [Option<Field>; 3],
+    /// Stiffness of the foundation in x, y, z, force per area and displacement; zero where there is none.
+    pub stiffness: DVec3,
+}
+
+impl Support {
+    /// A support that prescribes constant displacements, without a foundation.
+    #[must_use]
+    pub fn new(name: &str, group: GroupId, displacement: [Option<f64>; 3]) -> Self {
+        let displacement = displacement.map(|u| u.map(Field::Constant));
+        Self { name: name.to_owned(), group, displacement, stiffness: DVec3::ZERO }
+    }
 }
 
 /// A load.
@@ -63,14 +79,19 @@ pub struct Load {
 }
 
 /// What acts where.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum LoadKind {
     /// Force per area on a group.
-    Traction(GroupId, DVec3),
+    Traction(GroupId, VectorField),
     /// Force per area against the outward normal of a group.
-    Pressure(GroupId, f64),
+    Pressure(GroupId, Field),
     /// Total force, spread evenly over the area of a group.
     Force(GroupId, DVec3),
+    /// Force (second) at a point (first), given to the nodes of the cell there by its shape functions: that keeps force and
+    /// moment, and holds on every refinement.
+    PointForce(DVec3, DVec3),
+    /// Force per volume on all cells.
+    BodyForce(VectorField),
     /// Acceleration times density on all cells.
     Gravity(DVec3),
 }

@@ -6,10 +6,12 @@ use glam::DVec3;
 
 /// A prescribed component of a node's displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Prescribed {
+pub struct Prescribed {
+    /// The node.
     pub node: u32,
     /// 0, 1, 2 for x, y, z.
     pub component: u8,
+    /// The displacement.
     pub value: f64,
     /// Index of the support; the first one where several prescribe the same component.
     pub support: u32,
@@ -83,22 +85,36 @@ impl Dofs {
     }
 }
 
-/// The prescribed components of all supports, each once, sorted.
-fn prescribed(mesh: &TetMesh, model: &Model) -> Result<Vec<Prescribed>, FemError> {
+/// Difference of two prescribed displacements, relative to the largest of all, that counts as rounding: two expressions may
+/// mean the same.
+const SAME: f64 = 1e-10;
+
+/// The prescribed components of all supports, each once, sorted by node and component.
+///
+/// # Errors
+/// [`FemError::ConflictingSupports`]; [`FemError::NotFiniteAt`] where an expression has no finite value.
+pub fn prescribed(mesh: &TetMesh, model: &Model) -> Result<Vec<Prescribed>, FemError> {
     let mut all = Vec::new();
     for (support, s) in model.supports.iter().enumerate() {
         let mut nodes: Vec<u32> = mesh.group_faces(s.group).flat_map(|f| f.vertices).collect();
         nodes.sort_unstable();
         nodes.dedup();
-        for (component, value) in s.displacement.into_iter().enumerate() {
-            let Some(value) = value else { continue };
-            let entry = |node| Prescribed { node, component: component as u8, value, support: support as u32 };
-            all.extend(nodes.iter().copied().map(entry));
+        for (component, field) in s.displacement.iter().enumerate() {
+            let Some(field) = field else { continue };
+            for &node in &nodes {
+                let value = field.at(mesh.points()[node as usize]);
+                if !value.is_finite() {
+                    return Err(FemError::not_finite_at("support", &s.name, field, mesh.points()[node as usize]));
+                }
+                all.push(Prescribed { node, component: component as u8, value, support: support as u32 });
+            }
         }
     }
     all.sort_unstable_by_key(|p| (p.node, p.component, p.support));
     let same = |a: &Prescribed, b: &Prescribed| (a.node, a.component) == (b.node, b.component);
-    if let Some(pair) = all.windows(2).find(|w| same(&w[0], &w[1]) && w[0].value != w[1].value) {
+    let rounding = SAME * all.iter().map(|p| p.value.abs()).fold(0.0, f64::max);
+    let differ = |a: &Prescribed, b: &Prescribed| (a.value - b.value).abs() > rounding;
+    if let Some(pair) = all.windows(2).find(|w| same(&w[0], &w[1]) && differ(&w[0], &w[1])) {
         return Err(conflict(mesh, model, pair[0], pair[1]));
     }
     all.dedup_by(|b, a| same(a, b));

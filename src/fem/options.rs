@@ -1,9 +1,10 @@
 //! Choices of the solvers, plain data.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// How the linear system is solved.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// Direct for small systems, else conjugate gradients; direct again where these converge slowly, as long as its

@@ -42,7 +42,7 @@ fn prescribe_boundary(mesh: &TetMesh, system: &mut System, u: impl Fn(DVec3) -> 
 #[test]
 fn patch_test_is_exact_on_a_distorted_mesh() {
     let mesh = distorted(box_tets([1.0, 2.0, 1.5], [4, 5, 3]).unwrap(), 0.07);
-    let support = Support { name: "all".into(), group: GroupId(0), displacement: [Some(0.0); 3] };
+    let support = Support::new("all", GroupId(0), [Some(0.0); 3]);
     let model = Model { materials: vec![SOFT], supports: vec![support], loads: vec![] };
     let mut system = assemble(&mesh, &model).unwrap();
     let gradient = DMat3::from_cols_array(&[0.3, -0.2, 0.5, 0.1, 0.4, -0.6, 0.7, 0.2, -0.1]);
@@ -116,7 +116,7 @@ fn smooth_cube_error_on(mesh: &TetMesh, poissons_ratio: f64) -> f64 {
     let supports = (0..6_u32).map(|side| {
         let mut displacement = [None; 3];
         displacement[side as usize / 2] = Some(0.0);
-        Support { name: format!("roller {side}"), group: GroupId(side), displacement }
+        Support::new(&format!("roller {side}"), GroupId(side), displacement)
     });
     let model = Model { materials: vec![material], supports: supports.collect(), loads: vec![] };
     let mut system = assemble(mesh, &model).unwrap();
@@ -142,8 +142,8 @@ fn vertices_of_no_cell_are_left_alone() {
     let tets = parts.tets.into_iter().map(|t| t.map(|v| v + 1)).collect();
     let faces = parts.faces.into_iter().map(|f| crate::mesh::Face { vertices: up(f.vertices), ..f }).collect();
     let mesh = TetMesh::new(TetMeshParts { points, tets, faces, ..parts }).unwrap();
-    let support = Support { name: "foot".into(), group: GroupId(4), displacement: [Some(0.0); 3] };
-    let load = Load { name: "push".into(), kind: LoadKind::Traction(GroupId(5), DVec3::X) };
+    let support = Support::new("foot", GroupId(4), [Some(0.0); 3]);
+    let load = Load { name: "push".into(), kind: LoadKind::Traction(GroupId(5), DVec3::X.into()) };
     let model = Model { materials: vec![SOFT], supports: vec![support], loads: vec![load] };
     check_constraints(&mesh, &model).unwrap();
     let system = assemble(&mesh, &model).unwrap();
@@ -187,8 +187,7 @@ fn error_driven_optimisation_pays_in_true_error_at_equal_unknowns() {
 /// A bar along x, clamped at x-min and pulled down at x-max; its solution.
 fn bent_bar(size: [f64; 3], cells: [usize; 3], method: Method) -> (System, Solved) {
     let mesh = box_tets(size, cells).unwrap();
-    let supports =
-        vec![Support { name: "clamp".to_owned(), group: mesh.group("x-min").unwrap(), displacement: [Some(0.0); 3] }];
+    let supports = vec![Support::new("clamp", mesh.group("x-min").unwrap(), [Some(0.0); 3])];
     let force = LoadKind::Force(mesh.group("x-max").unwrap(), DVec3::new(0.0, 0.0, -1e-3));
     let loads = vec![Load { name: "tip".to_owned(), kind: force }];
     let materials = vec![Material { youngs_modulus: 1000.0, poissons_ratio: 0.3, density: 0.0 }];

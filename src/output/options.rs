@@ -1,9 +1,10 @@
 //! Choices of the output and figures to print beside its own, plain data.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// How the arrays of VTK files are compressed.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Compression {
     /// Not at all.
@@ -35,4 +36,51 @@ pub struct PublishedStep {
     pub milliseconds: f64,
     /// Average normalised error.
     pub error: f64,
+}
+
+/// What the numbers of a scenario are meant in, as declared: echoed beside results, never converted.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Units {
+    /// Of lengths and displacements.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub length: Option<String>,
+    /// Of forces.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub force: Option<String>,
+    /// Of stresses, moduli and tractions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stress: Option<String>,
+    /// Of energies.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy: Option<String>,
+    /// Of masses.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mass: Option<String>,
+    /// Of times, in accelerations.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<String>,
+}
+
+impl Units {
+    /// The declared ones with what they measure.
+    #[must_use]
+    pub fn declared(&self) -> Vec<(&'static str, &str)> {
+        let Self { length, force, stress, energy, mass, time } = self;
+        let all = [
+            ("length", length),
+            ("force", force),
+            ("stress", stress),
+            ("energy", energy),
+            ("mass", mass),
+            ("time", time),
+        ];
+        all.into_iter().filter_map(|(name, unit)| Some((name, unit.as_deref()?))).collect()
+    }
+
+    /// Whether none is declared.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.declared().is_empty()
+    }
 }

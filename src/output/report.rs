@@ -4,6 +4,7 @@
 
 use super::OutputError;
 use super::atomic::write_atomic;
+use super::options::Units;
 use crate::mesh::{TetMesh, features, quality, topology};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
@@ -19,6 +20,11 @@ pub struct Report {
     pub program: String,
     /// The scenario's file.
     pub scenario: String,
+    /// The units that the scenario declares.
+    #[serde(skip_serializing_if = "Units::is_empty")]
+    pub units: Units,
+    /// What the selectors of the scenario match on the input mesh.
+    pub selections: Vec<Selection>,
     /// Threads used.
     pub threads: usize,
     /// Why the run ended.
@@ -32,6 +38,19 @@ pub struct Report {
     pub seconds_total: f64,
     /// Most memory held at a time since the run began.
     pub peak_memory_bytes: u64,
+}
+
+/// What the selector of a support or load matches on the input mesh.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Selection {
+    /// Name of the support or load.
+    pub name: String,
+    /// `support` or `load`.
+    pub what: &'static str,
+    /// Number of boundary faces.
+    pub faces: usize,
+    /// Their area.
+    pub area: f64,
 }
 
 /// Version of the layout of `report.json`.
@@ -330,6 +349,8 @@ pub(super) mod tests {
             schema: SCHEMA,
             program: PROGRAM.to_owned(),
             scenario: "tripod.toml".to_owned(),
+            units: Units::default(),
+            selections: Vec::new(),
             threads: 2,
             stop_reason: StopReason::RelativeError,
             warnings: Vec::new(),
@@ -356,7 +377,10 @@ pub(super) mod tests {
         record.quantities.push(("tip".to_owned(), QuantityRecord { value: 1.0, error: 0.1 }));
         let json = serde_json::to_value(report(vec![record])).unwrap();
         let promised = [
-            ("", "schema program scenario threads stop_reason warnings steps seconds_total peak_memory_bytes"),
+            (
+                "",
+                "schema program scenario selections threads stop_reason warnings steps seconds_total peak_memory_bytes",
+            ),
             (
                 "/steps/0",
                 "step cells nodes edges boundary_faces dofs free_dofs feature_edges feature_length volume selected \
@@ -386,6 +410,14 @@ pub(super) mod tests {
         assert!(text.ends_with("}\n") && !text.contains("NaN"));
         let json: serde_json::Value = serde_json::from_str(&text).unwrap();
         assert!(json["steps"][0]["reactions"]["zebra"][2].is_null());
+    }
+
+    #[test]
+    fn declared_units_stand_in_the_report_and_above_the_table() {
+        let units = Units { length: Some("mm".to_owned()), stress: Some("MPa".to_owned()), ..Units::default() };
+        let json = serde_json::to_value(Report { units: units.clone(), ..report(vec![step(0)]) }).unwrap();
+        assert_eq!(json["units"], serde_json::json!({ "length": "mm", "stress": "MPa" }));
+        assert_eq!(crate::output::table::units(&units), "units: length mm, stress MPa\n");
     }
 
     #[test]

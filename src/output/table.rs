@@ -2,7 +2,7 @@
 //! Umlauf 2011, Figure 6.
 
 use super::compare::{EqualError, Ratios};
-use super::options::{Published, PublishedStep};
+use super::options::{Published, PublishedStep, Units};
 use super::report::{PhaseSeconds, Report, StepRecord};
 use comfy_table::{CellAlignment, LineStyle, Table, presets};
 
@@ -32,6 +32,13 @@ pub fn steps(records: &[StepRecord]) -> String {
         costs.add_row(row);
     }
     format!("{}\n{ERRORS}\n\nSeconds\n{}\n", text(results), text(costs))
+}
+
+/// The declared units in a line; nothing if there are none.
+#[must_use]
+pub fn units(units: &Units) -> String {
+    let list: Vec<String> = units.declared().iter().map(|(name, unit)| format!("{name} {unit}")).collect();
+    if list.is_empty() { String::new() } else { format!("units: {}\n", list.join(", ")) }
 }
 
 /// The force of each support at a step, and their sum, which is minus that of the loads but for the solver's residual.

@@ -6,9 +6,11 @@ use super::resolve::{Resolved, choose_materials};
 use super::{RunOptions, load, print, resolve, table};
 use crate::error::Error;
 use crate::fem;
+use crate::field::Field;
 use crate::mesh::TetMesh;
+use crate::output::options::Units;
 use crate::output::report::write_json;
-use crate::output::table::figures;
+use crate::output::table::{figures, units};
 use crate::scenario::{Material, Refine, Scenario, Strategy};
 use std::time::Instant;
 
@@ -25,9 +27,10 @@ pub fn check(scenario: &Scenario, options: &RunOptions) -> Result<(), Error> {
     if let Some(path) = &options.json {
         let details = Details {
             mesh: MeshDetails::of(&resolved.mesh, given_groups, start.elapsed().as_secs_f64()),
+            units: scenario.units.clone(),
             materials: materials(scenario, &resolved.mesh)?,
             supports: describe::supports(&resolved),
-            loads: describe::loads(&resolved),
+            loads: describe::loads(&resolved)?,
         };
         write_json(path, &details)?;
     }
@@ -36,9 +39,10 @@ pub fn check(scenario: &Scenario, options: &RunOptions) -> Result<(), Error> {
     }
     let mut text = format!("{}\n\n{}", scenario.title, describe_mesh(&resolved.mesh, file.format));
     file.notes.iter().for_each(|note| text += &format!("note: {note}\n"));
+    text += &units(&scenario.units);
     text += &describe_groups(&resolved.mesh, given_groups);
     text += &describe_materials(scenario, &resolved.mesh)?;
-    text += &describe_selections(&resolved);
+    text += &describe_selections(&resolved)?;
     text += &format!("\n{}", describe_refinement(scenario));
     text += &format!("results would go to {}\n", options.folder(scenario).display());
     for warning in scenario.warnings.iter().chain(&resolved.warnings) {
@@ -67,6 +71,8 @@ fn describe_materials(scenario: &Scenario, mesh: &TetMesh) -> Result<String, Err
 struct Details {
     #[serde(flatten)]
     mesh: MeshDetails,
+    #[serde(skip_serializing_if = "Units::is_empty")]
+    units: Units,
     materials: Vec<MaterialRecord>,
     supports: Vec<describe::Support>,
     loads: Vec<describe::Load>,
@@ -94,21 +100,26 @@ fn materials(scenario: &Scenario, mesh: &TetMesh) -> Result<Vec<MaterialRecord>,
     Ok(mesh.region_names().iter().zip(chosen).map(record).collect())
 }
 
-fn describe_selections(resolved: &Resolved) -> String {
+fn describe_selections(resolved: &Resolved) -> Result<String, Error> {
     let mut held = table(&["support", "faces", "area", "x", "y", "z"]);
     for s in describe::supports(resolved) {
-        let [x, y, z] = s.displacement.map(|u| u.map_or("free".to_owned(), |u| u.to_string()));
+        let [x, y, z] = std::array::from_fn(|c| match (&s.displacement[c], s.spring[c]) {
+            (Some(u), _) => u.to_string(),
+            (None, 0.0) => "free".to_owned(),
+            (None, k) => format!("spring {k}"),
+        });
         held.add_row([s.name, s.faces.to_string(), figures(s.area, 6), x, y, z]);
     }
     let mut acts = table(&["load", "kind", "value", "faces", "area", "total x", "y", "z"]);
-    for l in describe::loads(resolved) {
-        let value: Vec<String> = l.value.iter().map(f64::to_string).collect();
+    for l in describe::loads(resolved)? {
+        let value: Vec<String> = l.value.iter().map(Field::to_string).collect();
         let [x, y, z] = l.total_force.map(|f| figures(f, 6));
-        let extent = |text: String| if l.kind == "gravity" { "-".to_owned() } else { text };
+        let extent = |text: String| if l.faces == 0 { "-".to_owned() } else { text };
         let (faces, area) = (extent(l.faces.to_string()), extent(figures(l.area, 6)));
-        acts.add_row([l.name, l.kind.to_owned(), value.join(", "), faces, area, x, y, z]);
+        let kind = l.point.map_or(l.kind.to_owned(), |[x, y, z]| format!("at ({x}, {y}, {z})"));
+        acts.add_row([l.name, kind, value.join(", "), faces, area, x, y, z]);
     }
-    format!("\n{held}\n\n{acts}\n")
+    Ok(format!("\n{held}\n\n{acts}\n"))
 }
 
 /// The plan of refinement in a sentence or two.

@@ -54,7 +54,8 @@ pub fn compare(scenario: &Scenario, options: &RunOptions, repeat: usize) -> Resu
         }
     }
     let ratios = ratios(&global, &adaptive);
-    let text = table::comparison(&global, &adaptive, &ratios, scenario.published.as_ref());
+    let text =
+        table::units(&scenario.units) + &table::comparison(&global, &adaptive, &ratios, scenario.published.as_ref());
     let comparison = Comparison { global: &global, adaptive: &adaptive, ratios: &ratios };
     write_json(&folder.join("compare.json"), &comparison)?;
     write_text(&folder.join("compare.txt"), &text)?;

@@ -3,7 +3,8 @@
 use super::loading;
 use super::resolve::Resolved;
 use super::select;
-use crate::fem::LoadKind;
+use crate::fem::{FemError, LoadKind};
+use crate::field::{Field, VectorField};
 use crate::mesh::{GroupId, TetMesh};
 use crate::output::report::MeshReport;
 use glam::DVec3;
@@ -60,13 +61,14 @@ pub(super) fn regions(mesh: &TetMesh) -> Vec<Region> {
     regions
 }
 
-/// A support: where it acts and the displacement it prescribes, null where free.
+/// A support: where it acts, the displacement it prescribes, null where free, and the stiffness of its foundation.
 #[derive(Debug, Serialize)]
 pub(super) struct Support {
     pub name: String,
     pub faces: usize,
     pub area: f64,
-    pub displacement: [Option<f64>; 3],
+    pub displacement: [Option<Field>; 3],
+    pub spring: [f64; 3],
 }
 
 /// A load: where it acts, what, and the force that makes in total.
@@ -74,9 +76,12 @@ pub(super) struct Support {
 pub(super) struct Load {
     pub name: String,
     pub kind: &'static str,
-    /// Three components, or the one number of a pressure.
-    pub value: Vec<f64>,
-    /// Zero for gravity.
+    /// Three components, or the one number of a pressure; expressions as written.
+    pub value: Vec<Field>,
+    /// Where a force at a point acts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub point: Option<[f64; 3]>,
+    /// Zero for what acts on cells or at a point.
     pub faces: usize,
     pub area: f64,
     pub total_force: [f64; 3],
@@ -85,28 +90,30 @@ pub(super) struct Load {
 pub(super) fn supports(problem: &Resolved) -> Vec<Support> {
     let support = |s: &crate::fem::Support| {
         let (faces, area) = extent(&problem.mesh, s.group);
-        Support { name: s.name.clone(), faces, area, displacement: s.displacement }
+        let (displacement, spring) = (s.displacement.clone(), s.stiffness.to_array());
+        Support { name: s.name.clone(), faces, area, displacement, spring }
     };
     problem.model.supports.iter().map(support).collect()
 }
 
-pub(super) fn loads(problem: &Resolved) -> Vec<Load> {
+/// # Errors
+/// None on the mesh of the problem, on which every expression was evaluated when it was resolved.
+pub(super) fn loads(problem: &Resolved) -> Result<Vec<Load>, FemError> {
     let (mesh, model) = (&problem.mesh, &problem.model);
-    let mass = || -> f64 {
-        let densities = mesh.regions().iter().map(|r| model.materials[r.0 as usize].density);
-        densities.enumerate().map(|(t, density)| density * mesh.cell_volume(t)).sum()
-    };
+    let constant = |v: DVec3| VectorField::from(v).0.to_vec();
     let load = |l: &crate::fem::Load| {
-        let (kind, group, value) = match l.kind {
-            LoadKind::Traction(g, t) => ("traction", Some(g), t.to_array().to_vec()),
-            LoadKind::Pressure(g, p) => ("pressure", Some(g), vec![p]),
-            LoadKind::Force(g, f) => ("force", Some(g), f.to_array().to_vec()),
-            LoadKind::Gravity(a) => ("gravity", None, a.to_array().to_vec()),
+        let (kind, group, value) = match &l.kind {
+            LoadKind::Traction(g, t) => ("traction", Some(*g), t.0.to_vec()),
+            LoadKind::Pressure(g, p) => ("pressure", Some(*g), vec![p.clone()]),
+            LoadKind::Force(g, f) => ("force", Some(*g), constant(*f)),
+            LoadKind::PointForce(_, f) => ("point force", None, constant(*f)),
+            LoadKind::BodyForce(b) => ("body force", None, b.0.to_vec()),
+            LoadKind::Gravity(a) => ("gravity", None, constant(*a)),
         };
+        let point = if let LoadKind::PointForce(x, _) = l.kind { Some(x.to_array()) } else { None };
         let (faces, area) = group.map_or((0, 0.0), |g| extent(mesh, g));
-        let resultant = loading::effect(mesh, l.kind).1;
-        let total: DVec3 = if group.is_none() { mass() * resultant } else { resultant };
-        Load { name: l.name.clone(), kind, value, faces, area, total_force: total.to_array() }
+        let total_force = loading::total(mesh, model, l)?.to_array();
+        Ok(Load { name: l.name.clone(), kind, value, point, faces, area, total_force })
     };
     model.loads.iter().map(load).collect()
 }

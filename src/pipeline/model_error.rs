@@ -1,5 +1,6 @@
 //! Why supports, loads and materials do not fit a mesh.
 
+use crate::fem::FemError;
 use crate::mesh::MeshError;
 use glam::DVec3;
 
@@ -59,23 +60,33 @@ pub enum ModelError {
         /// How far it misses, and what there is.
         help: String,
     },
-    /// Two supports disagree.
-    #[error(
-        "supports `{}` and `{}` prescribe {axis} = {} and {axis} = {} at vertex {vertex} ({}, {}, {})",
-        names[0], names[1], values[0], values[1], position.x, position.y, position.z
-    )]
-    #[diagnostic(help("let their faces not meet, or free {axis} in one of them"))]
-    Conflict {
-        /// A vertex where they meet.
-        vertex: u32,
-        /// Its position.
-        position: DVec3,
-        /// The component of the displacement.
-        axis: char,
-        /// The supports.
-        names: [String; 2],
-        /// Their values.
-        values: [f64; 2],
+    /// A sliding support is not on a plane that a coordinate axis is normal to.
+    #[error("{place}: {what} slides in the plane of its faces, but {problem}")]
+    #[diagnostic(help("{help}"))]
+    NotSliding {
+        /// Where the support is written.
+        place: String,
+        /// The support.
+        what: String,
+        /// What its faces are like.
+        problem: String,
+        /// What to do.
+        help: &'static str,
+    },
+    /// A force acts at a point outside the mesh.
+    #[error("{place}: the point ({}, {}, {}) of load `{load}` lies outside the mesh", point.x, point.y, point.z)]
+    #[diagnostic(help("the nearest vertex is ({}, {}, {}); the model spans {} to {}", nearest.x, nearest.y, nearest.z, span[0], span[1]))]
+    PointOutside {
+        /// Where the load is written.
+        place: String,
+        /// Its name.
+        load: String,
+        /// The point asked for.
+        point: DVec3,
+        /// The nearest vertex.
+        nearest: DVec3,
+        /// The corners of the bounding box.
+        span: [DVec3; 2],
     },
     /// Gravity acts on a material of unknown density.
     #[error("{place}: load `{load}` is gravity, but {materials} no density")]
@@ -101,4 +112,8 @@ pub enum ModelError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Mesh(#[from] MeshError),
+    /// Supports contradict each other, or an expression has no finite value.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Fem(#[from] FemError),
 }

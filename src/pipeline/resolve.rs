@@ -2,8 +2,14 @@
 
 use super::{ModelError, hints, loading, select};
 use crate::fem::{self, Model};
-use crate::mesh::{GroupId, TetMesh, features, topology};
-use crate::scenario::{LoadKind, Material, Scenario, Selector, Support, suggest};
+use crate::field::Field;
+use crate::mesh::{GroupId, TetMesh, features, features::face_normal, topology};
+use crate::output::report::Selection;
+use crate::scenario::{Load, LoadKind, Material, Scenario, Selector, Support, suggest};
+use glam::DVec3;
+
+/// Cosine by which a normal may miss an axis: an angle of 1e-5.
+const AXIS_TOLERANCE: f64 = 5e-11;
 
 /// A mesh and what is to be solved on it.
 #[derive(Debug, Clone)]
@@ -16,19 +22,6 @@ pub struct Resolved {
     pub selections: Vec<Selection>,
     /// What is allowed but deserves a word.
     pub warnings: Vec<String>,
-}
-
-/// What a selector matched.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Selection {
-    /// Name of the support or load.
-    pub name: String,
-    /// `support` or `load`.
-    pub what: &'static str,
-    /// Number of boundary faces.
-    pub faces: usize,
-    /// Their area.
-    pub area: f64,
 }
 
 /// Resolves a scenario on its mesh.
@@ -45,21 +38,14 @@ pub fn resolve(scenario: &Scenario, mesh: TetMesh) -> Result<Resolved, ModelErro
     let supports = scenario.supports.iter().map(|s| targets.support(s)).collect::<Result<Vec<_>, _>>()?;
     let mut loads = Vec::new();
     for load in &scenario.loads {
-        let kind = match &load.kind {
-            LoadKind::Traction(s, t) => fem::LoadKind::Traction(targets.group("load", &load.name, &load.place, s)?, *t),
-            LoadKind::Pressure(s, p) => fem::LoadKind::Pressure(targets.group("load", &load.name, &load.place, s)?, *p),
-            LoadKind::Force(s, f) => fem::LoadKind::Force(targets.group("load", &load.name, &load.place, s)?, *f),
-            LoadKind::Gravity(g) => {
-                check_density(&load.name, &load.place, &chosen)?;
-                fem::LoadKind::Gravity(*g)
-            }
-        };
-        loads.push(fem::Load { name: load.name.clone(), kind });
+        if let LoadKind::Gravity(_) = load.kind {
+            check_density(&load.name, &load.place, &chosen)?;
+        }
+        loads.push(fem::Load { name: load.name.clone(), kind: targets.load(load)? });
     }
     let Targets { mesh, selections } = targets;
     let model = Model { materials: chosen.iter().map(|m| properties(m)).collect(), supports, loads };
-    let prescribed = loading::prescribed(&mesh, &model)?;
-    let warnings = loading::warnings(&mesh, &model, &prescribed);
+    let warnings = loading::warnings(&mesh, &model)?;
     Ok(Resolved { mesh: with_features(scenario, mesh)?, model, selections, warnings })
 }
 
@@ -114,6 +100,44 @@ fn check_density(load: &str, place: &str, chosen: &[&Material]) -> Result<(), Mo
     Err(ModelError::NoDensity { place: place.to_owned(), load: load.to_owned(), materials })
 }
 
+/// The coordinate axis normal to all faces of a group.
+fn normal_axis(mesh: &TetMesh, group: GroupId, support: &Support) -> Result<usize, ModelError> {
+    let refuse = |problem: String, help| {
+        let (place, what) = (support.place.clone(), format!("support `{}`", support.name));
+        ModelError::NotSliding { place, what, problem, help }
+    };
+    let mut axis = None;
+    for face in mesh.group_faces(group) {
+        let normal = face_normal(mesh.points(), face.vertices).normalize_or_zero();
+        let along = (0..3).find(|&c| normal[c].abs() >= 1.0 - AXIS_TOLERANCE);
+        let Some(along) = along else {
+            let problem = format!("a face at {} has the normal {normal}", mesh.points()[face.vertices[0] as usize]);
+            let help =
+                "the normal has to be along x, y or z: turn the part, or model the whole of it instead of a half";
+            return Err(refuse(problem, help));
+        };
+        if *axis.get_or_insert(along) != along {
+            let [a, b] = [axis.unwrap_or(along), along].map(|c| ["x", "y", "z"][c]);
+            let problem = format!("some faces are normal to {a}, others to {b}");
+            return Err(refuse(problem, "make a support for each plane"));
+        }
+    }
+    // The selector matched at least one face.
+    Ok(axis.unwrap_or(0))
+}
+
+/// Refuses a point outside the mesh, but for rounding.
+fn check_inside(mesh: &TetMesh, point: DVec3, load: &Load) -> Result<(), ModelError> {
+    if fem::distance_outside(mesh, point) <= select::DEFAULT_TOLERANCE * mesh.diagonal() {
+        return Ok(());
+    }
+    let by_distance = |a: &&DVec3, b: &&DVec3| a.distance(point).total_cmp(&b.distance(point));
+    let nearest = mesh.points().iter().min_by(by_distance).copied().unwrap_or(point);
+    let (lo, hi) = mesh.bounding_box();
+    let (place, load) = (load.place.clone(), load.name.clone());
+    Err(ModelError::PointOutside { place, load, point, nearest, span: [lo, hi] })
+}
+
 /// The mesh while groups are added to it.
 struct Targets {
     mesh: TetMesh,
@@ -123,7 +147,26 @@ struct Targets {
 impl Targets {
     fn support(&mut self, s: &Support) -> Result<fem::Support, ModelError> {
         let group = self.group("support", &s.name, &s.place, &s.selector)?;
-        Ok(fem::Support { name: s.name.clone(), group, displacement: s.displacement })
+        let mut displacement = s.displacement.clone();
+        if s.sliding {
+            displacement[normal_axis(&self.mesh, group, s)?] = Some(Field::ZERO);
+        }
+        Ok(fem::Support { name: s.name.clone(), group, displacement, stiffness: s.stiffness })
+    }
+
+    fn load(&mut self, load: &Load) -> Result<fem::LoadKind, ModelError> {
+        let mut group = |selector| self.group("load", &load.name, &load.place, selector);
+        Ok(match &load.kind {
+            LoadKind::Traction(s, t) => fem::LoadKind::Traction(group(s)?, t.clone()),
+            LoadKind::Pressure(s, p) => fem::LoadKind::Pressure(group(s)?, p.clone()),
+            LoadKind::Force(s, f) => fem::LoadKind::Force(group(s)?, *f),
+            LoadKind::PointForce(x, f) => {
+                check_inside(&self.mesh, *x, load)?;
+                fem::LoadKind::PointForce(*x, *f)
+            }
+            LoadKind::BodyForce(b) => fem::LoadKind::BodyForce(b.clone()),
+            LoadKind::Gravity(g) => fem::LoadKind::Gravity(*g),
+        })
     }
 
     /// The group of the faces that a selector matches: the mesh's own if it names one, else a new one.

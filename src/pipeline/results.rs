@@ -94,7 +94,8 @@ impl<'a> Results<'a> {
         }
         if self.scenario.output.report {
             write_json(&self.path("report.json"), report)?;
-            write_text(&self.path("table.txt"), &table::steps(&report.steps))?;
+            let text = table::units(&report.units) + &table::steps(&report.steps);
+            write_text(&self.path("table.txt"), &text)?;
             dihedral_histogram(&self.path("dihedral_angles.svg"), &self.angles)?;
             error_histogram(&self.path("cell_errors.svg"), &self.errors)?;
         }

@@ -39,7 +39,8 @@ pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<Report, Error> {
     if !options.quiet {
         let folder = options.folder(scenario);
         let reactions = report.steps.last().map(table::reactions).unwrap_or_default();
-        let text = format!("{}\n{reactions}", table::steps(&report.steps));
+        let (units, steps) = (table::units(&report.units), table::steps(&report.steps));
+        let text = format!("{units}{steps}\n{reactions}");
         let ending = ending(scenario, plan.strategy, &report);
         print(&format!("{text}\n{}{ending}\nresults in {}\n", warnings("", &report), folder.display()))?;
     }

@@ -75,6 +75,8 @@ pub(super) fn simulate(
         schema: SCHEMA,
         program: PROGRAM.to_owned(),
         scenario: plan.scenario.path.display().to_string(),
+        units: plan.scenario.units.clone(),
+        selections: problem.selections.clone(),
         threads: rayon::current_num_threads(),
         stop_reason,
         warnings,

@@ -2,14 +2,13 @@
 
 use super::document::Document;
 use super::error::Fault;
-use super::numbers::{Checked, finite, integer, outside, positive, vector, within};
+use super::numbers::{Checked, integer, outside, positive, vector, within};
 use super::raw::*;
-use super::selector::{KINDS, at_most_one, no_selector, one};
+use super::spanned::Spanned;
 use super::*;
 use crate::output::options::PublishedStep;
 use crate::subdiv::options::{Boundary, Mode, Objective, Optimise, QualityMeasure, Scheme};
 use std::ops::Range;
-use toml::Spanned;
 
 /// Most refinement steps a scenario may ask for.
 const MAX_STEPS: i64 = 20;
@@ -22,8 +21,6 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
     let mut warnings = Vec::new();
     let place = |span: &Range<usize>| document.place(span);
     let materials = materials(raw.materials.unwrap_or_default(), &place, &mut warnings)?;
-    let supports = raw.supports.unwrap_or_default().into_iter().map(|(name, t)| support(name, t, &place));
-    let loads = raw.loads.unwrap_or_default().into_iter().map(|(name, t)| load(name, t, &place));
     Ok(Scenario {
         path: PathBuf::new(),
         directory: PathBuf::new(),
@@ -33,13 +30,14 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
         mesh: mesh(raw.mesh)?,
         features: features(raw.features)?,
         materials,
-        supports: supports.collect::<Checked<_>>()?,
-        loads: loads.collect::<Checked<_>>()?,
+        supports: actions::supports(raw.supports.unwrap_or_default(), &place)?,
+        loads: actions::loads(raw.loads.unwrap_or_default(), &place)?,
         refine: refine(raw.refine.map(|t| t.value), &mut warnings)?,
         adapt: adapt(raw.adapt.map(|t| t.value).unwrap_or_default())?,
         solver: solver(raw.solver.map(|t| t.value).unwrap_or_default())?,
         output: output(&raw.output.map(|t| t.value).unwrap_or_default()),
         published: raw.published.map(|t| published(t.value)).transpose()?,
+        units: raw.units.map(|t| t.value).unwrap_or_default(),
         warnings,
     })
 }
@@ -135,72 +133,6 @@ fn material(
         group,
         name,
     })
-}
-
-fn support(name: String, Table { span, value }: Table<RawSupport>, place: Place) -> Checked<Support> {
-    let mut value = value;
-    let mut displacement = [None; 3];
-    if let Some(Table { value: given, .. }) = &value.displacement {
-        for (slot, x) in displacement.iter_mut().zip([&given.x, &given.y, &given.z]) {
-            *slot = x.as_ref().map(finite).transpose()?;
-        }
-    }
-    for axis in value.fix.take().map(Spanned::into_inner).unwrap_or_default() {
-        let slot = &mut displacement[*axis.get_ref() as usize];
-        if slot.is_some() {
-            return Err(Fault::new(axis.span(), "is prescribed twice", "named before").help("name each direction once"));
-        }
-        *slot = Some(0.0);
-    }
-    if displacement.iter().all(Option::is_none) {
-        return Err(Fault::new(span, "prescribes nothing", "which directions?")
-            .help("add fix = [\"x\", \"y\", \"z\"] or displacement = { y = -0.1 } (free where not named)"));
-    }
-    let place = place(&span);
-    Ok(Support { selector: one(value.into(), &span)?, name, place, displacement })
-}
-
-fn load(name: String, Table { span, value }: Table<RawLoad>, place: Place) -> Checked<Load> {
-    check_one_kind(&value)?;
-    let place = place(&span);
-    let (traction, force) = (value.traction.as_ref().map(vector), value.force.as_ref().map(vector));
-    let (pressure, gravity) = (value.pressure.as_ref().map(finite), value.gravity.as_ref().map(vector));
-    let selector = at_most_one(value.into())?;
-    let target = |selector: Option<Selector>| selector.ok_or_else(|| no_selector(&span));
-    let kind = match (traction, pressure, force, gravity) {
-        (Some(t), ..) => LoadKind::Traction(target(selector)?, t?),
-        (_, Some(p), ..) => LoadKind::Pressure(target(selector)?, p?),
-        (_, _, Some(f), _) => LoadKind::Force(target(selector)?, f?),
-        (.., Some(_)) if selector.is_some() => {
-            let fault = Fault::new(span, "has a selector, but gravity acts on all cells", "this load");
-            return Err(fault.help(format!("remove the selector ({KINDS})")));
-        }
-        (.., Some(g)) => LoadKind::Gravity(g?),
-        _ => return Err(Fault::new(span, "does not say what acts", "which load?").help(LOADS)),
-    };
-    Ok(Load { name, place, kind })
-}
-
-const LOADS: &str = "a load has one of traction = [x, y, z] (per area), pressure = p, force = [x, y, z] (total), \
-                     gravity = [x, y, z]";
-
-/// Refuses a second kind of load in a table.
-fn check_one_kind(raw: &RawLoad) -> Checked<()> {
-    let given = [
-        ("traction", raw.traction.as_ref().map(Spanned::span)),
-        ("pressure", raw.pressure.as_ref().map(Spanned::span)),
-        ("force", raw.force.as_ref().map(Spanned::span)),
-        ("gravity", raw.gravity.as_ref().map(Spanned::span)),
-    ];
-    let given: Vec<_> = given.into_iter().filter_map(|(key, span)| Some((key, span?))).collect();
-    match &given[..] {
-        [(first, _), (_, second), ..] => {
-            let problem = format!("stands beside `{first}`: a load has one kind");
-            let fault = Fault::new(second.clone(), problem, "the second kind");
-            Err(fault.help(format!("{LOADS}; make two loads")))
-        }
-        _ => Ok(()),
-    }
 }
 
 fn refine(raw: Option<RawRefine>, warnings: &mut Vec<String>) -> Checked<Refine> {

@@ -58,7 +58,7 @@ pub struct Invalid {
 }
 
 /// A fault before the place and the key are looked up.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Fault {
     /// Bytes of the document.
     pub span: Range<usize>,

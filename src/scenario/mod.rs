@@ -2,23 +2,26 @@
 //!
 //! Three stages: the document (text, overrides, spans), the keys as written (names and types), the checked values.
 
+mod actions;
 mod check;
 mod document;
 mod error;
+mod fields;
 mod numbers;
 mod raw;
 mod selector;
+mod spanned;
 pub mod suggest;
 mod translate;
 
+pub use actions::{Load, LoadKind, Support};
 pub use error::{Invalid, ScenarioError};
 pub use selector::Selector;
 
 use crate::adapt::options::{Estimator, Marking};
 use crate::fem::options::SolverOptions;
-use crate::output::options::{Compression, Published};
+use crate::output::options::{Compression, Published, Units};
 use crate::subdiv::options::Options;
-use glam::DVec3;
 use serde::Deserialize as _;
 use std::path::{Path, PathBuf};
 
@@ -55,6 +58,8 @@ pub struct Scenario {
     pub output: Output,
     /// `[published]`.
     pub published: Option<Published>,
+    /// `[units]`.
+    pub units: Units,
     /// What is allowed but deserves a word.
     pub warnings: Vec<String>,
 }
@@ -102,45 +107,8 @@ pub struct Material {
     pub group: Option<String>,
 }
 
-/// Prescribed displacements.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Support {
-    /// Name of its table.
-    pub name: String,
-    /// Where it is written.
-    pub place: String,
-    /// The boundary faces it acts on.
-    pub selector: Selector,
-    /// Prescribed displacement in x, y, z; `None` where free.
-    pub displacement: [Option<f64>; 3],
-}
-
-/// A load.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Load {
-    /// Name of its table.
-    pub name: String,
-    /// Where it is written.
-    pub place: String,
-    /// What acts where.
-    pub kind: LoadKind,
-}
-
-/// What a load does.
-#[derive(Debug, Clone, PartialEq)]
-pub enum LoadKind {
-    /// Force per area.
-    Traction(Selector, DVec3),
-    /// Force per area against the outward normal.
-    Pressure(Selector, f64),
-    /// Total force, spread evenly over the area.
-    Force(Selector, DVec3),
-    /// Acceleration of all cells.
-    Gravity(DVec3),
-}
-
 /// Which cells are refined.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Strategy {
     /// Those the error estimate asks for.
@@ -266,6 +234,12 @@ impl Scenario {
     pub fn name(&self) -> String {
         self.path.file_stem().map_or_else(|| "scenario".to_owned(), |s| s.to_string_lossy().into_owned())
     }
+}
+
+/// The JSON schema of scenarios: keys, types and words, for editors. Ranges, and what goes together, only reading tells.
+#[must_use]
+pub fn schema() -> serde_json::Value {
+    schemars::schema_for!(raw::RawScenario).to_value()
 }
 
 /// Sets `key` in the table `name`, which is made if it is not there.

@@ -1,12 +1,15 @@
 //! The keys of a scenario as written: optional fields with their spans, nothing checked but names and types.
 
+use super::actions::{Fixed, RawStiffness};
+use super::fields;
+use super::spanned::Spanned;
 use crate::adapt::options::Estimator;
 use crate::fem::options::Method;
-use crate::output::options::Compression;
+use crate::output::options::{Compression, Units};
 use crate::subdiv::options::{Boundary, Mode, Objective, QualityMeasure, Scheme};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, de};
-use std::{collections::BTreeMap, fmt, marker::PhantomData, ops::Range};
-use toml::Spanned;
+use std::{borrow::Cow, collections::BTreeMap, fmt, marker::PhantomData, ops::Range};
 
 /// A TOML table with its span. Unlike a derived struct it refuses an array.
 #[derive(Debug)]
@@ -52,8 +55,9 @@ pub(super) type Text = Spanned<String>;
 pub(super) type Vector = Spanned<Vec<f64>>;
 pub(super) type Named<T> = BTreeMap<String, Table<T>>;
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(title = "Scenario of Subsolid")]
 pub(super) struct RawScenario {
     pub title: Option<String>,
     pub mesh: Option<Table<RawMesh>>,
@@ -68,9 +72,10 @@ pub(super) struct RawScenario {
     pub solver: Option<Table<RawSolver>>,
     pub output: Option<Table<RawOutput>>,
     pub published: Option<Table<RawPublished>>,
+    pub units: Option<Table<Units>>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawMesh {
     pub file: Option<Text>,
@@ -80,13 +85,13 @@ pub(super) struct RawMesh {
 }
 
 /// How the mid-side nodes of a quadratic mesh are used.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Midside {
     Straight,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawBrick {
     pub size: Vector,
@@ -96,13 +101,13 @@ pub(super) struct RawBrick {
 }
 
 /// Shape of generated cells.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum CellShape {
     Tet,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawFeatures {
     pub angle: Option<Number>,
@@ -110,7 +115,7 @@ pub(super) struct RawFeatures {
     pub corners: Option<Vec<u32>>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawMaterial {
     pub youngs_modulus: Number,
@@ -122,7 +127,7 @@ pub(super) struct RawMaterial {
 /// A table that holds the keys of a selector beside keys of its own.
 macro_rules! selector_table {
     ($name:ident { $($field:ident: $type:ty),* }) => {
-        #[derive(Debug, Deserialize)]
+        #[derive(Debug, Deserialize, JsonSchema)]
         #[serde(deny_unknown_fields)]
         pub(super) struct $name {
             $(pub $field: Option<$type>,)*
@@ -153,29 +158,32 @@ macro_rules! selector_of {
 }
 
 selector_table!(RawSelector {});
-selector_table!(RawSupport { fix: Spanned<Vec<Spanned<Axis>>>, displacement: Table<RawDisplacement> });
-selector_table!(RawLoad { traction: Vector, pressure: Number, force: Vector, gravity: Vector });
+selector_table!(RawSupport {
+    fix: Spanned<Fixed>,
+    symmetry: Spanned<bool>,
+    displacement: Table<RawDisplacement>,
+    spring: Spanned<RawStiffness>
+});
+selector_table!(RawLoad {
+    traction: fields::Vector,
+    pressure: fields::Scalar,
+    force: Vector,
+    point: Vector,
+    body_force: fields::Vector,
+    gravity: Vector
+});
 selector_of!(RawSupport);
 selector_of!(RawLoad);
 
-/// A coordinate direction.
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum Axis {
-    X,
-    Y,
-    Z,
-}
-
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawDisplacement {
-    pub x: Option<Number>,
-    pub y: Option<Number>,
-    pub z: Option<Number>,
+    pub x: Option<fields::Scalar>,
+    pub y: Option<fields::Scalar>,
+    pub z: Option<fields::Scalar>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawPlane {
     pub normal: Vector,
@@ -183,7 +191,7 @@ pub(super) struct RawPlane {
     pub tolerance: Option<Number>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawBox {
     pub min: Vector,
@@ -191,7 +199,7 @@ pub(super) struct RawBox {
     pub tolerance: Option<Number>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawSphere {
     pub center: Vector,
@@ -199,7 +207,7 @@ pub(super) struct RawSphere {
     pub tolerance: Option<Number>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawCylinder {
     pub point: Vector,
@@ -208,14 +216,14 @@ pub(super) struct RawCylinder {
     pub tolerance: Option<Number>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawNormal {
     pub direction: Vector,
     pub angle: Number,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawAnalysis {
     #[serde(rename = "element")]
@@ -223,13 +231,13 @@ pub(super) struct RawAnalysis {
 }
 
 /// The finite element.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Element {
     Tet4,
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawRefine {
     pub scheme: Option<Spanned<Scheme>>,
@@ -240,7 +248,7 @@ pub(super) struct RawRefine {
     pub stop: Option<Table<RawStop>>,
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawOptimise {
     pub mode: Option<Mode>,
@@ -251,7 +259,7 @@ pub(super) struct RawOptimise {
     pub valence_limit: Option<Integer>,
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawStop {
     pub relative_error: Option<Number>,
@@ -267,6 +275,16 @@ pub(super) struct Bytes(pub u64);
 impl<'de> Deserialize<'de> for Bytes {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_any(BytesVisitor)
+    }
+}
+
+impl JsonSchema for Bytes {
+    fn schema_name() -> Cow<'static, str> {
+        "Bytes".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": ["integer", "string"], "description": "A number of bytes, or a string such as \"2 GiB\"." })
     }
 }
 
@@ -309,7 +327,7 @@ fn parse_bytes(text: &str) -> Option<u64> {
     (bytes.is_finite() && bytes >= 0.0).then_some(bytes as u64)
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawAdapt {
     pub estimator: Option<Estimator>,
@@ -317,7 +335,7 @@ pub(super) struct RawAdapt {
     pub grow: Option<Integer>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawMarking {
     pub doerfler: Option<Number>,
@@ -326,14 +344,14 @@ pub(super) struct RawMarking {
     pub threshold: Option<Number>,
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawSolver {
     pub method: Option<Method>,
     pub tolerance: Option<Number>,
 }
 
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawOutput {
     pub vtk: Option<bool>,
@@ -341,14 +359,14 @@ pub(super) struct RawOutput {
     pub compression: Option<Compression>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawPublished {
     pub source: String,
     pub steps: Vec<Table<RawPublishedStep>>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawPublishedStep {
     pub label: String,

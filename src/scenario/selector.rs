@@ -3,9 +3,9 @@
 use super::error::Fault;
 use super::numbers::{Checked, direction, finite, not_negative, outside, positive, vector, within};
 use super::raw::{Number, RawSelector, Table};
+use super::spanned::Spanned;
 use glam::DVec3;
 use std::ops::Range;
-use toml::Spanned;
 
 /// Boundary faces, by name or by place. A face matches a geometric selector if all its corners lie in the shape, or
 /// within `tolerance` of it (`None`: 1e-6 of the diagonal of the mesh's bounding box).

@@ -4,7 +4,7 @@ use super::{document::Document, error::Fault, suggest};
 use std::ops::Range;
 
 /// Keys that the format reserves for what this version does not do.
-const RESERVED_KEYS: [&str; 12] = [
+const RESERVED_KEYS: [&str; 10] = [
     "interfaces",
     "target_angle",
     "valence_limit",
@@ -15,12 +15,10 @@ const RESERVED_KEYS: [&str; 12] = [
     "probes",
     "exact",
     "expect",
-    "units",
-    "body_force",
 ];
 
 /// Values that the format reserves likewise, each with what to use today.
-const RESERVED_VALUES: [(&str, &str); 11] = [
+const RESERVED_VALUES: [(&str, &str); 10] = [
     ("curved", "straight"),
     ("hex", "tet"),
     ("tet10", "tet4"),
@@ -31,7 +29,6 @@ const RESERVED_VALUES: [(&str, &str); 11] = [
     ("catmull-clark+", "tet4"),
     ("amg-cg", "cg"),
     ("fixed-trisection", "fixed"),
-    ("normal", "x"),
 ];
 
 /// How to write the table that asks for a key.

@@ -1,9 +1,10 @@
 //! Choices of the subdivision schemes, plain data.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// How cells are refined.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scheme {
     /// Tetrahedral sqrt(3) subdivision, Burkhart, Hamann and Umlauf 2010.
@@ -16,7 +17,7 @@ pub enum Scheme {
 }
 
 /// What happens to the boundary and to the interfaces between regions (scheme sqrt(3) only; the others always keep them).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Boundary {
     /// The polyhedral surface is kept exactly; boundary edges are halved.
@@ -29,7 +30,7 @@ pub enum Boundary {
 }
 
 /// With which operations a refined mesh is optimised.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mode {
     /// Those of the paper: edge removal and smoothing of interior vertices.
@@ -40,7 +41,7 @@ pub enum Mode {
 
 /// What the operations of [`Mode::Paper`] call a good cell (Burkhart, Hamann and Umlauf 2010, section 2.3). All grow with
 /// the quality.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum QualityMeasure {
     /// The smallest sine of the dihedral angles: small for angles near 0 and near 180 degrees.
@@ -55,7 +56,7 @@ pub enum QualityMeasure {
 }
 
 /// What optimisation in [`Mode::Best`] is for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Objective {
     /// Large dihedral angles: for meshes as such.

@@ -278,7 +278,7 @@ mod tests {
     #[test]
     fn correction_is_the_galerkin_projection() {
         let mesh = box_tets([2.0, 1.0, 1.0], [12, 6, 6]).unwrap();
-        let support = |group, displacement| Support { name: String::new(), group: GroupId(group), displacement };
+        let support = |group, displacement| Support::new("", GroupId(group), displacement);
         let supports = vec![support(0, [Some(0.0); 3]), support(4, [None, None, Some(0.0)])];
         let materials = vec![Material { youngs_modulus: 2.0, poissons_ratio: 0.3, density: 0.0 }];
         let system = assemble(&mesh, &Model { materials, supports, loads: vec![] }).unwrap();
