@@ -257,7 +257,7 @@ class Maker:
     def mesh(self, path, steps, *words):
         """The grid of a mesh after so many steps."""
         out = self.folder / "mesh.vtu"
-        meshers.subdivide(self.options.subsolid, path, out, "--steps", steps, *words)
+        meshers.subdivide(self.options.subsolid, path, out, "--steps", steps, "--optimise", "paper", *words)
         return read(out)
 
     def list(self, name, lines):

@@ -171,6 +171,8 @@ pub enum CellsName {
     Curvature,
     /// Those in a file.
     File(PathBuf),
+    /// All of them.
+    All,
 }
 
 /// Options of all commands that compute.
@@ -248,6 +250,7 @@ fn angle(text: &str) -> Result<f64, String> {
 fn cells(text: &str) -> Result<CellsName, String> {
     Ok(match text {
         "" => return Err("expected boundary, curvature or a file".to_owned()),
+        "all" => CellsName::All,
         "boundary" => CellsName::Boundary,
         "curvature" => CellsName::Curvature,
         path => CellsName::File(path.into()),

@@ -55,11 +55,14 @@ fn subdivision(arguments: cli::Subdivide) -> Subdivision {
     if mode == Mode::Best && measure != QualityMeasure::MinSine {
         refuse("--measure is for the published operations: use it with --optimise paper");
     }
+    if json.as_ref() == Some(&output) {
+        refuse("--json and --output name the same file");
+    }
     let optimise = Optimise { mode, measure, ..Optimise::default() };
     let options =
         Options { scheme: arguments.scheme.into(), boundary: arguments.boundary.into(), optimise, frames: false };
     let cells = match arguments.select {
-        None => Cells::All,
+        None | Some(CellsName::All) => Cells::All,
         Some(_) if options.scheme == Scheme::Red => {
             refuse("--scheme red refines all cells or none: use sqrt3 or longest-edge with --select")
         }

@@ -56,9 +56,11 @@ impl std::fmt::Display for Place {
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum MeshError {
     /// The file cannot be opened or read.
-    #[error("cannot read mesh {path}", path = path.display())]
+    #[error("cannot read {what} {path}", path = path.display())]
     #[diagnostic(help("{help}"))]
     Unreadable {
+        /// What the file should hold.
+        what: &'static str,
         /// The file asked for.
         path: PathBuf,
         /// What the operating system said.

@@ -9,6 +9,9 @@ use crate::mesh::TetMesh;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 
+/// The file that lists the frames.
+const COLLECTION: &str = "frames.pvd";
+
 /// Writes one file a frame, and `frames.pvd` with all of them.
 #[derive(Debug)]
 pub struct FrameWriter {
@@ -20,12 +23,16 @@ pub struct FrameWriter {
 }
 
 impl FrameWriter {
-    /// A writer for a folder, which is made if it is missing. Files in it stay but for those of the same names.
+    /// A writer for a folder, which is made if it is missing. Where it holds `frames.pvd` of an earlier run, that run's
+    /// frames are removed; other files stay.
     ///
     /// # Errors
-    /// [`OutputError::Write`] if no files can be made there.
+    /// [`OutputError::Write`] if no files can be made or removed there.
     pub fn new(folder: &Path) -> Result<Self, OutputError> {
         ensure_writable_dir(folder)?;
+        if folder.join(COLLECTION).is_file() {
+            remove_frames(folder).map_err(|source| OutputError::write(folder, source))?;
+        }
         Ok(Self { folder: folder.to_owned(), files: Vec::new(), cells: Vec::new(), points: Vec::new() })
     }
 
@@ -53,8 +60,20 @@ impl FrameWriter {
         self.cells = keys;
         self.cells.sort_unstable();
         self.points = mesh.points().to_vec();
-        write_pvd(&self.folder.join("frames.pvd"), &self.files)
+        write_pvd(&self.folder.join(COLLECTION), &self.files)
     }
+}
+
+/// Removes the files that are called as frames are.
+fn remove_frames(folder: &Path) -> std::io::Result<()> {
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        if name.starts_with("frame_") && name.ends_with(".vtu") {
+            std::fs::remove_file(&path)?;
+        }
+    }
+    Ok(())
 }
 
 fn sorted(mut tet: [u32; 4]) -> [u32; 4] {

@@ -52,7 +52,7 @@ fn find_in(file: &Path, beside: &Path, data: Option<&Path>) -> Result<PathBuf, M
     } else {
         IoError::new(ErrorKind::NotFound, "no such file")
     };
-    Err(MeshError::Unreadable { path: file.to_owned(), source, help })
+    Err(MeshError::Unreadable { what: "mesh", path: file.to_owned(), source, help })
 }
 
 #[cfg(test)]

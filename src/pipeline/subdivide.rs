@@ -51,9 +51,12 @@ pub fn subdivide(command: &Subdivision) -> Result<MeshReport, Error> {
         return Err(Error::NotVtu { path: command.output.clone() });
     }
     let file = read::read(&load::find(&command.mesh, Path::new(""))?)?;
+    if !command.quiet {
+        file.notes.iter().try_for_each(|note| print(&format!("note: {note}\n")))?;
+    }
     let (edges, corners) = (command.edges.as_deref(), command.corners.as_deref());
     let mut mesh = with_features(file.mesh, command.feature_angle, edges, corners)?;
-    let mut history = History::default();
+    let (mut history, volume) = (History::default(), mesh.volume());
     let progress = Progress::new(command.quiet);
     let mut frames = command.frames.as_deref().map(FrameWriter::new).transpose()?;
     if let Some(frames) = &mut frames {
@@ -76,22 +79,23 @@ pub fn subdivide(command: &Subdivision) -> Result<MeshReport, Error> {
         }
         (mesh, history) = (refined.mesh, refined.history);
     }
+    let volumes = (volume, mesh.volume());
     let report = MeshReport::of(&mesh, seconds);
     write_vtu(&command.output, &mesh, &Fields::default(), Compression::default())?;
     if let Some(path) = &command.json {
         write_json(path, &report)?;
     }
     if !command.quiet {
-        print(&describe(&report, split, &command.output))?;
+        print(&describe(&report, split, volumes, &command.output))?;
     }
     Ok(report)
 }
 
-fn describe(report: &MeshReport, split: usize, output: &Path) -> String {
+fn describe(report: &MeshReport, split: usize, (before, after): (f64, f64), output: &Path) -> String {
     let MeshReport { mesh, quality: q, seconds, .. } = report;
     format!(
         "{} cells, {} nodes, {} feature edges\nminimum dihedral angle: worst {:.2}, average {:.2} degrees; largest valence \
-         {}\n{split} cells refined in {seconds:.3} s, written to {}\n",
+         {}\nvolume {before:.6e}, now {after:.6e}\n{split} cells refined in {seconds:.3} s, written to {}\n",
         mesh.cells,
         mesh.nodes,
         mesh.feature_edges,

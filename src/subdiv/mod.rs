@@ -7,7 +7,7 @@ mod red;
 mod solid;
 mod sqrt3;
 
-use crate::mesh::{MeshError, TetMesh};
+use crate::mesh::{MeshError, TetMesh, quality};
 use options::{Optimise, Options, Scheme};
 use solid::Solid;
 
@@ -37,6 +37,17 @@ pub struct Frame {
     pub stage: &'static str,
     /// What it made.
     pub mesh: TetMesh,
+}
+
+impl Refined {
+    /// What a step makes that refines nothing.
+    fn unchanged(mesh: &TetMesh, history: &History) -> Self {
+        let worst = |worst: f64, t| quality::min_sine(mesh.cell_points(t)).min(worst);
+        let worst_sine = (0..mesh.tets().len()).fold(f64::INFINITY, worst);
+        let pending = history.pending();
+        let info = Info { pending, worst_sine, ..Info::default() };
+        Self { mesh: mesh.clone(), transfer: Vec::new(), history: history.clone(), info, frames: Vec::new() }
+    }
 }
 
 /// A vertex as an affine combination of vertices with smaller numbers, by the topology of the split that made it (where
@@ -120,6 +131,9 @@ pub fn refine(mesh: &TetMesh, history: &History, selected: &[bool], options: &Op
     if selected.len() != mesh.tets().len() {
         let (got, want) = (selected.len(), mesh.tets().len());
         return Err(MeshError::Inconsistent(format!("{got} selection flags for {want} cells")));
+    }
+    if !selected.contains(&true) {
+        return Ok(Refined::unchanged(mesh, history));
     }
     let mut refined = match options.scheme {
         // Its stages are interleaved with the optimiser.

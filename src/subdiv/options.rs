@@ -20,7 +20,8 @@ pub enum Scheme {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Boundary {
-    /// The polyhedral surface is kept exactly; boundary edges are halved.
+    /// The polyhedral surface is kept; boundary edges are halved. (In [`Mode::Best`] vertices slide on parts that are flat
+    /// to 3e-4 radians, so tilts that rounding in a mesh file has made are evened out.)
     Fixed,
     /// The surface is smoothed by Kobbelt's rule for triangular sqrt(3) subdivision; creases and corners stay.
     Approximating,

@@ -1,7 +1,7 @@
 //! Lists of numbers in a text file, one entry a line: cells to refine, edges and corners to keep.
 
 use super::lines::Lines;
-use super::unreadable;
+use super::unreadable_file;
 use crate::mesh::MeshError;
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use std::path::Path;
 /// [`MeshError::Unreadable`]; [`MeshError::Syntax`] with the line of an entry that is not `N` such numbers, or if there
 /// is no entry.
 pub fn read_list<const N: usize>(path: &Path, what: &str) -> Result<Vec<(usize, [u32; N])>, MeshError> {
-    let bytes = std::fs::read(path).map_err(|source| unreadable(path, source))?;
+    let bytes = std::fs::read(path).map_err(|source| unreadable_file("list", path, source))?;
     let text = String::from_utf8_lossy(&bytes);
     let mut lines = Lines::new(path, &text);
     let mut entries = Vec::new();

@@ -62,9 +62,13 @@ pub fn read(path: &Path) -> Result<MeshFile, MeshError> {
 }
 
 fn unreadable(path: &Path, source: std::io::Error) -> MeshError {
+    unreadable_file("mesh", path, source)
+}
+
+fn unreadable_file(what: &'static str, path: &Path, source: std::io::Error) -> MeshError {
     let place = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let help = format!("looked for in {}; check the name and the permissions", place.display());
-    MeshError::Unreadable { path: path.to_owned(), source, help }
+    MeshError::Unreadable { what, path: path.to_owned(), source, help }
 }
 
 /// An error at a place of a file.

@@ -29,6 +29,11 @@ pub struct History {
 }
 
 impl History {
+    /// Number of old faces and edges that wait.
+    pub(super) fn pending(&self) -> usize {
+        self.pending_faces.len() + self.pending_edges.len()
+    }
+
     /// The history after the mesh was changed so that vertex i is what `kept[i]` was.
     #[must_use]
     pub fn renumbered(&self, kept: &[u32]) -> Self {
@@ -103,7 +108,7 @@ pub(super) fn refine(
         split: selected.iter().filter(|s| **s).count(),
         flipped: faces.done + edges.done,
         rejected: rejected + faces.refused.len() + edges.refused.len(),
-        pending: history.pending_faces.len() + history.pending_edges.len(),
+        pending: history.pending(),
         worst_sine: solid.worst_sine_of_all(),
     };
     let (transfer, frames) = (solid.take_transfer(), solid.take_frames()?);
