@@ -192,7 +192,7 @@ fn a_sliding_support_needs_faces_normal_to_one_axis() {
 fn a_point_outside_the_mesh_is_refused_with_the_nearest_vertex() {
     let text = format!("{BASE}[loads.p]\npoint = [2, 1.01, 1]\nforce = [0, 0, 1]\n");
     let (error, help) = refused(&text);
-    assert!(error.to_string().contains("(2, 1.01, 1)") && help.contains("(2, 1, 1)"), "{error} {help}");
+    assert!(error.to_string().contains("[2, 1.01, 1]") && help.contains("[2, 1, 1]"), "{error} {help}");
     assert!(resolved("[loads.p]\npoint = [2, 1.0000001, 1]\nforce = [0, 0, 1]", &[]).is_ok());
 }
 

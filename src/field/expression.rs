@@ -5,6 +5,9 @@ use glam::DVec3;
 use smallvec::SmallVec;
 use std::fmt;
 
+/// A function of two numbers.
+pub(super) type Binary = fn(f64, f64) -> f64;
+
 /// A step of an evaluation.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Op {
@@ -12,7 +15,7 @@ pub(super) enum Op {
     /// 0, 1, 2 for x, y, z.
     Coordinate(usize),
     Unary(fn(f64) -> f64),
-    Binary(fn(f64, f64) -> f64),
+    Binary(Binary),
 }
 
 /// An expression such as `1e3*sin(pi*x)`, parsed once.

@@ -1,6 +1,6 @@
 //! From the text of an expression to postfix operations, by precedence climbing.
 
-use super::expression::Op;
+use super::expression::{Binary, Op};
 use std::ops::Range;
 
 /// Why a text is no expression.
@@ -178,7 +178,7 @@ impl Parser<'_> {
 }
 
 /// An infix operator and its strength.
-fn operator(c: char) -> Option<(u8, fn(f64, f64) -> f64)> {
+fn operator(c: char) -> Option<(u8, Binary)> {
     Some(match c {
         '+' => (SUM, |a, b| a + b),
         '-' => (SUM, |a, b| a - b),
@@ -221,7 +221,7 @@ fn function(name: &str) -> Option<(Op, usize)> {
         "sign" => |x| if x == 0.0 { 0.0 } else { x.signum() },
         "floor" => f64::floor,
         _ => {
-            let binary: fn(f64, f64) -> f64 = match name {
+            let binary: Binary = match name {
                 "atan2" => f64::atan2,
                 "hypot" => f64::hypot,
                 // Unlike f64::min, these hide no NaN.

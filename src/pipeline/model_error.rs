@@ -74,8 +74,8 @@ pub enum ModelError {
         help: &'static str,
     },
     /// A force acts at a point outside the mesh.
-    #[error("{place}: the point ({}, {}, {}) of load `{load}` lies outside the mesh", point.x, point.y, point.z)]
-    #[diagnostic(help("the nearest vertex is ({}, {}, {}); the model spans {} to {}", nearest.x, nearest.y, nearest.z, span[0], span[1]))]
+    #[error("{place}: the point {point} of load `{load}` lies outside the mesh")]
+    #[diagnostic(help("{help}"))]
     PointOutside {
         /// Where the load is written.
         place: String,
@@ -83,10 +83,8 @@ pub enum ModelError {
         load: String,
         /// The point asked for.
         point: DVec3,
-        /// The nearest vertex.
-        nearest: DVec3,
-        /// The corners of the bounding box.
-        span: [DVec3; 2],
+        /// The nearest vertex, and what the model spans.
+        help: String,
     },
     /// Gravity acts on a material of unknown density.
     #[error("{place}: load `{load}` is gravity, but {materials} no density")]

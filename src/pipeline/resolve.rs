@@ -134,8 +134,8 @@ fn check_inside(mesh: &TetMesh, point: DVec3, load: &Load) -> Result<(), ModelEr
     let by_distance = |a: &&DVec3, b: &&DVec3| a.distance(point).total_cmp(&b.distance(point));
     let nearest = mesh.points().iter().min_by(by_distance).copied().unwrap_or(point);
     let (lo, hi) = mesh.bounding_box();
-    let (place, load) = (load.place.clone(), load.name.clone());
-    Err(ModelError::PointOutside { place, load, point, nearest, span: [lo, hi] })
+    let help = format!("the nearest vertex is {nearest}; the model spans {lo} to {hi}");
+    Err(ModelError::PointOutside { place: load.place.clone(), load: load.name.clone(), point, help })
 }
 
 /// The mesh while groups are added to it.
