@@ -3,6 +3,7 @@
 //! A mesh is a value. Its fields are private, [`TetMesh::new`] checks them, and refinement returns a new mesh.
 
 mod error;
+mod face_rows;
 pub mod features;
 pub mod generate;
 pub mod quality;

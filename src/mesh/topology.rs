@@ -1,8 +1,8 @@
 //! Connectivity: faces, edges, neighbours. Nothing here but the volume check looks at positions.
 
+use super::face_rows::{FaceRows, FaceUse};
 use super::{Crease, Face, MeshError, Victim, quality};
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// The three indices in ascending order.
 #[must_use]
@@ -68,84 +68,13 @@ pub fn triangle_edges(triangles: impl Iterator<Item = [u32; 3]>) -> Vec<([u32; 2
 }
 
 /// Where each of `rows` rows begins, and where the last one ends, given the row of every entry.
-fn row_starts(rows: usize, entries: impl Iterator<Item = u32>) -> Vec<u32> {
+pub(super) fn row_starts(rows: usize, entries: impl Iterator<Item = u32>) -> Vec<u32> {
     let mut starts = vec![0_u32; rows + 1];
     entries.for_each(|v| starts[v as usize + 1] += 1);
     for v in 0..rows {
         starts[v + 1] += starts[v];
     }
     starts
-}
-
-/// The faces of all cells in rows by their smallest vertex (compressed rows), 4 bytes a face of a cell.
-struct FaceRows<'a> {
-    tets: &'a [[u32; 4]],
-    /// Where the row of each vertex begins, and where the last one ends.
-    starts: Vec<u32>,
-    /// Face `i` of cell `t` as `4 t + i`, ascending in each row; enough for 2^30 cells.
-    uses: Vec<u32>,
-}
-
-/// A face of a cell: its two larger vertices in ascending order (the smaller one in the upper half), and `4 t + i`.
-type FaceUse = (u64, u32);
-
-/// How many rows a thread takes at a time, and how many are visited before their results are taken.
-const ROWS: usize = 1 << 10;
-const BATCH: usize = 64 * ROWS;
-
-impl<'a> FaceRows<'a> {
-    fn new(tets: &'a [[u32; 4]]) -> Self {
-        let smallest = |t: &[u32; 4]| tet_faces(*t).map(|[a, b, c]| a.min(b).min(c));
-        let rows = tets.iter().flatten().max().map_or(0, |&v| v as usize + 1);
-        let starts = row_starts(rows, tets.iter().flat_map(smallest));
-        let mut next = starts.clone();
-        let mut uses = vec![0; 4 * tets.len()];
-        for (face, v) in (0..).zip(tets.iter().flat_map(smallest)) {
-            uses[next[v as usize] as usize] = face;
-            next[v as usize] += 1;
-        }
-        Self { tets, starts, uses }
-    }
-
-    /// The outward face that a use stands for.
-    fn face(&self, face: u32) -> [u32; 3] {
-        let tet = self.tets[face as usize / 4];
-        quality::FACES[face as usize % 4].map(|i| tet[i])
-    }
-
-    /// Shows every face to `visit`: its sorted vertices, and its uses `4 t + i` in ascending order. Gives the results in
-    /// the order of the sorted vertices to `take`, whatever the number of threads.
-    fn visit<T: Send>(&self, visit: impl Fn([u32; 3], &[FaceUse]) -> Option<T> + Sync, take: impl FnMut(T)) {
-        let rows = self.starts.len() - 1;
-        let mut take = take;
-        for batch in (0..rows).step_by(BATCH) {
-            let end = rows.min(batch + BATCH);
-            let chunks: Vec<usize> = (batch..end).step_by(ROWS).collect();
-            let found: Vec<Vec<T>> =
-                chunks.into_par_iter().map(|first| self.visit_rows(first..end.min(first + ROWS), &visit)).collect();
-            found.into_iter().flatten().for_each(&mut take);
-        }
-    }
-
-    fn visit_rows<T>(
-        &self,
-        rows: std::ops::Range<usize>,
-        visit: &impl Fn([u32; 3], &[FaceUse]) -> Option<T>,
-    ) -> Vec<T> {
-        let mut found = Vec::new();
-        let mut row: Vec<FaceUse> = Vec::new();
-        for v in rows {
-            row.clear();
-            row.extend(self.uses[self.starts[v] as usize..self.starts[v + 1] as usize].iter().map(|&face| {
-                let [_, b, c] = sorted3(self.face(face));
-                (u64::from(b) << 32 | u64::from(c), face)
-            }));
-            row.sort_unstable();
-            let faces = row.chunk_by(|x, y| x.0 == y.0);
-            found.extend(faces.filter_map(|same| visit([v as u32, (same[0].0 >> 32) as u32, same[0].0 as u32], same)));
-        }
-        found
-    }
 }
 
 /// Boundary faces of the cells, outward, sorted by their sorted vertices.
@@ -331,7 +260,7 @@ pub(super) fn check_boundary(tets: &[[u32; 4]], faces: &[Face]) -> Result<(), Me
     );
     match (fault, listed.next()) {
         (Some(fault), _) => Err(fault),
-        (None, Some(face)) => Err(rows.unmatched(face)),
+        (None, Some(face)) => Err(unmatched(&rows, face)),
         (None, None) => Ok(()),
     }
 }
@@ -352,7 +281,7 @@ fn check_face<'a>(
         return Err(MeshError::Boundary { vertices: key, problem });
     };
     if sorted3(found.vertices) < key {
-        return Err(rows.unmatched(found));
+        return Err(unmatched(rows, found));
     }
     let outward = rows.face(face);
     if (0..3).any(|r| (0..3).all(|i| found.vertices[i] == outward[(i + r) % 3])) {
@@ -361,19 +290,11 @@ fn check_face<'a>(
     Err(MeshError::Boundary { vertices: found.vertices, problem: "is oriented inward" })
 }
 
-impl FaceRows<'_> {
-    /// The cells at a face.
-    fn cells_at(&self, key: [u32; 3]) -> Vec<usize> {
-        let uses = 0..4 * self.tets.len() as u32;
-        uses.filter(|&face| sorted3(self.face(face)) == key).map(|face| face as usize / 4).collect()
-    }
-
-    /// Why a listed face is none of the boundary.
-    fn unmatched(&self, face: &Face) -> MeshError {
-        let inside = self.cells_at(sorted3(face.vertices)).len() == 2;
-        let problem = if inside { "lies between two cells" } else { "belongs to no cell, or is listed twice" };
-        MeshError::Boundary { vertices: face.vertices, problem }
-    }
+/// Why a listed face is none of the boundary.
+fn unmatched(rows: &FaceRows, face: &Face) -> MeshError {
+    let inside = rows.cells_at(sorted3(face.vertices)).len() == 2;
+    let problem = if inside { "lies between two cells" } else { "belongs to no cell, or is listed twice" };
+    MeshError::Boundary { vertices: face.vertices, problem }
 }
 
 /// Checks that creases and corners name vertices that exist.
@@ -391,4 +312,79 @@ pub fn victim(points: &[DVec3], tets: &[[u32; 4]], cell: usize) -> Victim {
     let vertices = tets[cell];
     let centroid = vertices.iter().map(|&v| points[v as usize]).sum::<DVec3>() / 4.0;
     Victim { cell, vertices, centroid }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::generate;
+    use proptest::prelude::*;
+    use std::collections::{BTreeMap, BTreeSet};
+
+    /// The cells of a box that `keep` says, which may hang together or not.
+    fn some_cells(keep: &[bool]) -> Vec<[u32; 4]> {
+        let mesh = generate::box_tets([1.0; 3], [3; 3]).unwrap();
+        mesh.tets().iter().zip(keep).filter(|(_, keep)| **keep).map(|(&tet, _)| tet).collect()
+    }
+
+    /// The cells at each face, and which of their faces it is.
+    fn uses(tets: &[[u32; 4]]) -> BTreeMap<[u32; 3], Vec<(usize, usize)>> {
+        let mut uses = BTreeMap::<_, Vec<_>>::new();
+        for (t, &tet) in tets.iter().enumerate() {
+            for (i, face) in tet_faces(tet).into_iter().enumerate() {
+                uses.entry(sorted3(face)).or_default().push((t, i));
+            }
+        }
+        uses
+    }
+
+    proptest! {
+        #[test]
+        fn faces_neighbours_parts_and_edges_are_those_of_a_plain_search(
+            keep in prop::collection::vec(prop::bool::weighted(0.7), 162)
+        ) {
+            let tets = some_cells(&keep);
+            let uses = uses(&tets);
+            let single: Vec<(usize, usize)> = uses.values().filter(|u| u.len() == 1).map(|u| u[0]).collect();
+            let faces: Vec<[u32; 3]> = single.iter().map(|&(t, i)| tet_faces(tets[t])[i]).collect();
+            prop_assert_eq!(boundary_faces(&tets), faces.clone());
+            prop_assert_eq!(boundary_of_distinct(&tets), Ok(faces));
+            prop_assert_eq!(boundary_cells(&tets), single.iter().map(|&(t, _)| t as u32).collect::<Vec<_>>());
+
+            let mut neighbours = vec![[None; 4]; tets.len()];
+            for pair in uses.values().filter(|u| u.len() == 2) {
+                neighbours[pair[0].0][pair[0].1] = Some(pair[1].0 as u32);
+                neighbours[pair[1].0][pair[1].1] = Some(pair[0].0 as u32);
+            }
+            prop_assert_eq!(&face_neighbours(&tets), &neighbours);
+
+            // The smallest cell reached from each, until nothing changes.
+            let mut first: Vec<usize> = (0..tets.len()).collect();
+            let mut changed = true;
+            while std::mem::take(&mut changed) {
+                for t in 0..tets.len() {
+                    let around = neighbours[t].iter().flatten().map(|&u| first[u as usize]);
+                    let least = around.chain([first[t]]).min().unwrap();
+                    changed |= least < first[t];
+                    first[t] = least;
+                }
+            }
+            let roots: Vec<usize> = first.iter().copied().collect::<BTreeSet<_>>().into_iter().collect();
+            let part = first.iter().map(|f| roots.binary_search(f).unwrap() as u32).collect::<Vec<_>>();
+            prop_assert_eq!(parts(&tets), (part, roots.len()));
+
+            let all: BTreeSet<[u32; 2]> = tets.iter().flat_map(|&tet| tet_edges(tet)).collect();
+            prop_assert_eq!(edges(&tets), all.into_iter().collect::<Vec<_>>());
+        }
+
+        #[test]
+        fn a_repeated_cell_is_found(t in 0..162_usize, place in 0..=162_usize, turn in 0..4_usize) {
+            let mut tets = some_cells(&[true; 162]);
+            let mut again = tets[t];
+            again.rotate_left(turn);
+            tets.insert(place, again);
+            let original = if place <= t { t + 1 } else { t };
+            prop_assert_eq!(boundary_of_distinct(&tets), Err([original.min(place), original.max(place)]));
+        }
+    }
 }

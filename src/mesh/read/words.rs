@@ -152,7 +152,7 @@ impl<'a> Words<'a> {
     pub(super) fn position(&mut self, node: u32) -> Result<DVec3, MeshError> {
         let mut p = [0.0_f64; 3];
         for (x, name) in p.iter_mut().zip(["x", "y", "z"]) {
-            *x = self.number(&format!("{name} of node {node}"))?;
+            *x = self.number(name)?;
             finite(*x, name, node).map_err(|(message, help)| self.error(message, help))?;
         }
         Ok(DVec3::from_array(p))

@@ -170,7 +170,7 @@ impl<'a> Data<'a> {
         let mut p = [0.0_f64; 3];
         for (x, name) in p.iter_mut().zip(["x", "y", "z"]) {
             if !self.is_empty() {
-                *x = self.number(&format!("{name} of node {node}"))?;
+                *x = self.number(name)?;
             }
             finite(*x, name, node).map_err(|(message, help)| self.error(message, help))?;
         }

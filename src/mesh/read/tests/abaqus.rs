@@ -3,7 +3,7 @@
 use super::*;
 
 /// The two tetrahedra of `MSH2` in other ids, with sets of every kind.
-const INP: &str = "\
+pub(super) const INP: &str = "\
 *Heading
  two cells
 ** a comment
@@ -96,7 +96,7 @@ fn what_is_not_read_is_refused_with_its_line() {
 
 #[test]
 fn faults_are_named_with_their_line() {
-    assert_fault(&INP.replace("12, 1.0, 0", "12, one, 0"), 6, &["x of node 12", "one"]);
+    assert_fault(&INP.replace("12, 1.0, 0", "12, one, 0"), 6, &["x is", "one"]);
     assert_fault(&INP.replace("12, 1.0, 0", "12, nan, 0"), 6, &["not a finite number"]);
     assert_fault(&INP.replace("  12, 15\n", ""), 12, &["element 102", "2 nodes", "type 4"]);
     assert_fault(&INP.replace("  12, 15\n", " 12, 15, 14\n"), 13, &["more than the 4"]);

@@ -1,7 +1,11 @@
 //! Random damage to good files.
 
+use super::abaqus::INP;
+use super::formats::{MEDIT, VTK};
 use super::*;
 use proptest::prelude::*;
+
+const TEXTS: [&str; 6] = [MSH2, MSH4, GID, INP, MEDIT, VTK];
 
 /// One way to spoil a text.
 #[derive(Debug, Clone)]
@@ -14,7 +18,7 @@ enum Damage {
     SwapTokens(prop::sample::Index, prop::sample::Index),
 }
 
-const ODD_TOKENS: [&str; 14] = [
+const ODD_TOKENS: [&str; 18] = [
     "-1",
     "0",
     "1e400",
@@ -29,6 +33,10 @@ const ODD_TOKENS: [&str; 14] = [
     "4",
     "11",
     "é\u{0}",
+    "*ELSET,ELSET=Base,GENERATE",
+    "Tetrahedra",
+    "CELL_DATA",
+    ",",
 ];
 
 fn damage() -> impl Strategy<Value = Damage> {
@@ -78,16 +86,16 @@ proptest! {
 
     /// Whatever is done to a file, reading it gives a valid mesh or an error.
     #[test]
-    fn damaged_files_never_panic(which in 0..3_usize, damages in prop::collection::vec(damage(), 1..4)) {
-        let text = damages.iter().fold([MSH2, MSH4, GID][which].to_owned(), |text, d| apply(&text, d));
+    fn damaged_files_never_panic(which in 0..TEXTS.len(), damages in prop::collection::vec(damage(), 1..4)) {
+        let text = damages.iter().fold(TEXTS[which].to_owned(), |text, d| apply(&text, d));
         if let Ok(file) = parse_text(&text) {
             prop_assert!(TetMesh::new(file.mesh.into_parts()).is_ok());
         }
     }
 
     #[test]
-    fn random_bytes_after_a_header_never_panic(which in 0..3_usize, bytes in prop::collection::vec(any::<u8>(), 0..300)) {
-        let head: String = [MSH2, MSH4, GID][which].lines().take(12).map(|l| format!("{l}\n")).collect();
+    fn random_bytes_after_a_header_never_panic(which in 0..TEXTS.len(), bytes in prop::collection::vec(any::<u8>(), 0..300)) {
+        let head: String = TEXTS[which].lines().take(12).map(|l| format!("{l}\n")).collect();
         let _ = parse_bytes(&[head.as_bytes(), &bytes].concat());
     }
 }

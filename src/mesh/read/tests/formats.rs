@@ -2,7 +2,7 @@
 
 use super::*;
 
-const MEDIT: &str = "\
+pub(super) const MEDIT: &str = "\
 MeshVersionFormatted 2
 Dimension
 3
@@ -24,7 +24,7 @@ Tetrahedra
 End
 ";
 
-const VTK: &str = "\
+pub(super) const VTK: &str = "\
 # vtk DataFile Version 3.0
 two cells
 ASCII
@@ -64,7 +64,7 @@ fn medit_references_become_regions_and_groups() {
 fn faults_of_medit_files_are_named_with_their_line() {
     assert_fault(&MEDIT.replace("Vertices 5", "Vertices 4000000000"), 5, &["4000000000 vertices", "bytes"]);
     assert_fault(&MEDIT.replace("Vertices 5", "Vertices 4"), 9, &["keyword", "\"0\""]);
-    assert_fault(&MEDIT.replace("Vertices 5", "Vertices 6"), 10, &["x of node 6", "Corners"]);
+    assert_fault(&MEDIT.replace("Vertices 5", "Vertices 6"), 10, &["x is", "Corners"]);
     assert_fault(&MEDIT.replace("1 3 2 5 2", "1 3 2 9 2"), 18, &["tetrahedron 2", "node 9"]);
     assert_fault(&MEDIT.replace("Dimension\n3", "Dimension\n2"), 3, &["dimension 2"]);
     assert_fault(&MEDIT.replace("Tetrahedra\n", "Hexahedra\n"), 16, &["hexahedra", "not supported yet"]);
