@@ -6,12 +6,14 @@
 mod assembly;
 mod block_matrix;
 mod check;
+mod clip;
 mod constraints;
 mod error;
 mod loads;
 mod material;
 mod numbering;
 pub mod options;
+mod quantity;
 mod recover;
 mod solve;
 #[cfg(test)]
@@ -22,6 +24,7 @@ pub use assembly::{System, assemble};
 pub use constraints::check_constraints;
 pub use error::FemError;
 pub use material::{double_contraction, von_mises};
+pub use quantity::{Cells, Extent, Quantity, QuantityKind, State};
 pub use recover::{Solution, global_balance, recover};
 pub use solve::{Solved, SolverInfo, solve};
 

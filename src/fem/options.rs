@@ -1,4 +1,4 @@
-//! Choices of the solvers, plain data.
+//! Choices of the solvers and of what is asked of a solution, plain data.
 
 use serde::{Deserialize, Serialize};
 
@@ -30,4 +30,52 @@ impl Default for SolverOptions {
     fn default() -> Self {
         Self { method: Method::Auto, tolerance: 1e-8, direct_memory_limit: 2 << 30 }
     }
+}
+
+/// A scalar field of a solution.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Field {
+    /// Displacement along x.
+    Ux,
+    /// Displacement along y.
+    Uy,
+    /// Displacement along z.
+    Uz,
+    /// Length of the displacement.
+    Displacement,
+    /// Stress component XX.
+    Sxx,
+    /// Stress component YY.
+    Syy,
+    /// Stress component ZZ.
+    Szz,
+    /// Stress component XY.
+    Sxy,
+    /// Stress component YZ.
+    Syz,
+    /// Stress component XZ.
+    Sxz,
+    /// Von Mises' equivalent stress.
+    VonMises,
+}
+
+impl Field {
+    /// Whether it is a field of the stress, not of the displacement.
+    #[must_use]
+    pub fn is_stress(self) -> bool {
+        !matches!(self, Self::Ux | Self::Uy | Self::Uz | Self::Displacement)
+    }
+}
+
+/// What can be summed up over cells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Total {
+    /// Integral of half stress times strain.
+    StrainEnergy,
+    /// Volume.
+    Volume,
+    /// Integral of the density.
+    Mass,
 }

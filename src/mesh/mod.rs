@@ -5,6 +5,7 @@
 mod error;
 pub mod features;
 pub mod generate;
+pub mod locate;
 pub mod quality;
 pub mod read;
 pub mod surface;

@@ -27,6 +27,9 @@ pub struct Report {
     pub warnings: Vec<String>,
     /// One record a solve; step 0 is the input mesh.
     pub steps: Vec<StepRecord>,
+    /// Quantities of the last step beside what the scenario expects of them.
+    #[serde(serialize_with = "as_map")]
+    pub expectations: Vec<(String, ExpectationRecord)>,
     /// Wall time of the run, writing included; within a comparison that of the first pass, though the seconds of the steps
     /// are medians over all.
     pub seconds_total: f64,
@@ -195,8 +198,26 @@ impl PhaseSeconds {
 pub struct QuantityRecord {
     /// Its value.
     pub value: f64,
-    /// Its estimated error.
-    pub error: f64,
+    /// Its estimated error, where there is an estimate.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<f64>,
+}
+
+/// A quantity of the last step beside what the scenario expects.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ExpectationRecord {
+    /// Its value.
+    pub value: f64,
+    /// What it should be.
+    pub expected: f64,
+    /// `value - expected`.
+    pub deviation: f64,
+    /// The largest deviation allowed.
+    pub allowed: f64,
+    /// Whether it is allowed.
+    pub passed: bool,
+    /// Where the expected value is from.
+    pub source: Option<String>,
 }
 
 /// A mesh without a solution: what `inspect` and `subdivide` report.
@@ -334,6 +355,7 @@ pub(super) mod tests {
             stop_reason: StopReason::RelativeError,
             warnings: Vec::new(),
             steps,
+            expectations: Vec::new(),
             seconds_total: 1.0,
             peak_memory_bytes: 1 << 24,
         }
@@ -353,10 +375,13 @@ pub(super) mod tests {
     #[test]
     fn the_report_has_the_promised_keys_and_no_other() {
         let mut record = step(0);
-        record.quantities.push(("tip".to_owned(), QuantityRecord { value: 1.0, error: 0.1 }));
+        record.quantities.push(("tip".to_owned(), QuantityRecord { value: 1.0, error: Some(0.1) }));
         let json = serde_json::to_value(report(vec![record])).unwrap();
         let promised = [
-            ("", "schema program scenario threads stop_reason warnings steps seconds_total peak_memory_bytes"),
+            (
+                "",
+                "schema program scenario threads stop_reason warnings steps expectations seconds_total peak_memory_bytes",
+            ),
             (
                 "/steps/0",
                 "step cells nodes edges boundary_faces dofs free_dofs feature_edges feature_length volume selected \

@@ -1,5 +1,6 @@
 //! One mesh analysed: solved, its stress recovered, its error estimated.
 
+use super::quantities;
 use super::resolve::Resolved;
 use super::simulate::{Plan, timed};
 use crate::adapt::{self, CellErrors};
@@ -77,7 +78,7 @@ impl Analysed {
             },
             seconds: PhaseSeconds::default(),
             reactions: supports.map(|(s, r)| (s.name.clone(), r.to_array())).collect(),
-            quantities: Vec::new(),
+            quantities: quantities::values(mesh, problem, self),
         }
     }
 

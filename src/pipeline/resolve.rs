@@ -1,6 +1,6 @@
 //! From a scenario and a mesh to a model: selectors become groups, materials find their regions, features are found.
 
-use super::{ModelError, hints, loading, select};
+use super::{ModelError, hints, loading, quantities, select};
 use crate::fem::{self, Model};
 use crate::mesh::{GroupId, TetMesh, features, topology};
 use crate::scenario::{LoadKind, Material, Scenario, Selector, Support, suggest};
@@ -12,6 +12,8 @@ pub struct Resolved {
     pub mesh: TetMesh,
     /// Materials, supports and loads on its regions and groups.
     pub model: Model,
+    /// The quantities asked for, on its regions and groups.
+    pub quantities: Vec<fem::Quantity>,
     /// What each selector matched.
     pub selections: Vec<Selection>,
     /// What is allowed but deserves a word.
@@ -21,9 +23,9 @@ pub struct Resolved {
 /// What a selector matched.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Selection {
-    /// Name of the support or load.
+    /// Name of the support, load or quantity.
     pub name: String,
-    /// `support` or `load`.
+    /// `support`, `load` or `quantity`.
     pub what: &'static str,
     /// Number of boundary faces.
     pub faces: usize,
@@ -56,11 +58,12 @@ pub fn resolve(scenario: &Scenario, mesh: TetMesh) -> Result<Resolved, ModelErro
         };
         loads.push(fem::Load { name: load.name.clone(), kind });
     }
+    let quantities = quantities::resolve(scenario, &mut targets)?;
     let Targets { mesh, selections } = targets;
     let model = Model { materials: chosen.iter().map(|m| properties(m)).collect(), supports, loads };
     let prescribed = loading::prescribed(&mesh, &model)?;
     let warnings = loading::warnings(&mesh, &model, &prescribed);
-    Ok(Resolved { mesh: with_features(scenario, mesh)?, model, selections, warnings })
+    Ok(Resolved { mesh: with_features(scenario, mesh)?, model, quantities, selections, warnings })
 }
 
 fn properties(m: &Material) -> fem::Material {
@@ -115,19 +118,29 @@ fn check_density(load: &str, place: &str, chosen: &[&Material]) -> Result<(), Mo
 }
 
 /// The mesh while groups are added to it.
-struct Targets {
+pub(super) struct Targets {
     mesh: TetMesh,
     selections: Vec<Selection>,
 }
 
 impl Targets {
+    pub(super) fn mesh(&self) -> &TetMesh {
+        &self.mesh
+    }
+
     fn support(&mut self, s: &Support) -> Result<fem::Support, ModelError> {
         let group = self.group("support", &s.name, &s.place, &s.selector)?;
         Ok(fem::Support { name: s.name.clone(), group, displacement: s.displacement })
     }
 
     /// The group of the faces that a selector matches: the mesh's own if it names one, else a new one.
-    fn group(&mut self, what: &'static str, name: &str, place: &str, s: &Selector) -> Result<GroupId, ModelError> {
+    pub(super) fn group(
+        &mut self,
+        what: &'static str,
+        name: &str,
+        place: &str,
+        s: &Selector,
+    ) -> Result<GroupId, ModelError> {
         let title = format!("{what} `{name}`");
         let selected = select::select(&self.mesh, s).map_err(|unknown| {
             let help = hints::unknown_group(&self.mesh, &unknown.0);

@@ -24,6 +24,9 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
     let materials = materials(raw.materials.unwrap_or_default(), &place, &mut warnings)?;
     let supports = raw.supports.unwrap_or_default().into_iter().map(|(name, t)| support(name, t, &place));
     let loads = raw.loads.unwrap_or_default().into_iter().map(|(name, t)| load(name, t, &place));
+    let supports = supports.collect::<Checked<Vec<_>>>()?;
+    let names: Vec<&str> = supports.iter().map(|s| s.name.as_str()).collect();
+    let quantities = wanted::quantities(raw.quantities.unwrap_or_default(), &names, &place)?;
     Ok(Scenario {
         path: PathBuf::new(),
         directory: PathBuf::new(),
@@ -33,8 +36,11 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
         mesh: mesh(raw.mesh)?,
         features: features(raw.features)?,
         materials,
-        supports: supports.collect::<Checked<_>>()?,
+        supports,
         loads: loads.collect::<Checked<_>>()?,
+        probes: wanted::probes(raw.probes.unwrap_or_default(), &place)?,
+        expectations: wanted::expectations(raw.expect.unwrap_or_default(), &quantities)?,
+        quantities,
         refine: refine(raw.refine.map(|t| t.value), &mut warnings)?,
         adapt: adapt(raw.adapt.map(|t| t.value).unwrap_or_default())?,
         solver: solver(raw.solver.map(|t| t.value).unwrap_or_default())?,

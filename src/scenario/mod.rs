@@ -10,9 +10,11 @@ mod raw;
 mod selector;
 pub mod suggest;
 mod translate;
+mod wanted;
 
 pub use error::{Invalid, ScenarioError};
 pub use selector::Selector;
+pub use wanted::{Cells, Expectation, Extent, Probe, Quantity, QuantityKind, Tolerance};
 
 use crate::adapt::options::{Estimator, Marking};
 use crate::fem::options::SolverOptions;
@@ -45,6 +47,12 @@ pub struct Scenario {
     pub supports: Vec<Support>,
     /// `[loads.<name>]`, sorted by name.
     pub loads: Vec<Load>,
+    /// `[quantities.<name>]`, sorted by name.
+    pub quantities: Vec<Quantity>,
+    /// `[probes.<name>]`, sorted by name.
+    pub probes: Vec<Probe>,
+    /// `[expect.<name>]`, sorted by name.
+    pub expectations: Vec<Expectation>,
     /// `[refine]`.
     pub refine: Refine,
     /// `[adapt]`.

@@ -1,7 +1,8 @@
 //! The keys of a scenario as written: optional fields with their spans, nothing checked but names and types.
 
+use super::wanted::{RawExpectation, RawProbe};
 use crate::adapt::options::Estimator;
-use crate::fem::options::Method;
+use crate::fem::options::{Field, Method, Total};
 use crate::output::options::Compression;
 use crate::subdiv::options::{Boundary, Mode, Objective, QualityMeasure, Scheme};
 use serde::{Deserialize, Deserializer, de};
@@ -68,6 +69,9 @@ pub(super) struct RawScenario {
     pub solver: Option<Table<RawSolver>>,
     pub output: Option<Table<RawOutput>>,
     pub published: Option<Table<RawPublished>>,
+    pub quantities: Option<Named<RawQuantity>>,
+    pub probes: Option<Named<RawProbe>>,
+    pub expect: Option<Named<RawExpectation>>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -155,6 +159,18 @@ macro_rules! selector_of {
 selector_table!(RawSelector {});
 selector_table!(RawSupport { fix: Spanned<Vec<Spanned<Axis>>>, displacement: Table<RawDisplacement> });
 selector_table!(RawLoad { traction: Vector, pressure: Number, force: Vector, gravity: Vector });
+selector_table!(RawQuantity {
+    average: Spanned<Field>,
+    maximum: Spanned<Field>,
+    value: Spanned<Field>,
+    point: Vector,
+    total: Spanned<Total>,
+    reaction: Text,
+    component: Spanned<Axis>,
+    region: Text,
+    within: Table<RawBox>
+});
+selector_of!(RawQuantity);
 selector_of!(RawSupport);
 selector_of!(RawLoad);
 

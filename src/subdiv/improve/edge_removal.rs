@@ -205,8 +205,7 @@ pub(super) fn can_remove(
 /// True if the topology allows the ring to be filled again without the edge.
 pub(super) fn may_replace(solid: &Solid, edge: [u32; 2], ring: &Ring) -> bool {
     let region = solid.tag(ring.cells[0]).region;
-    ring.cells.iter().all(|&t| solid.tag(t).region == region)
-        && (ring.closed || chord_is_free(solid, edge, ring))
+    ring.cells.iter().all(|&t| solid.tag(t).region == region) && (ring.closed || chord_is_free(solid, edge, ring))
 }
 
 /// A surface edge may be replaced by the chord if the chord is not an edge yet and both ends keep at least two cells of
