@@ -154,8 +154,8 @@ fn a_probe_along_a_cantilever_follows_beam_theory() {
     let deflection = |x: f64| -(x * x * (30.0 - x) / (6.0 * 1000.0 / 12.0) + x / (500.0 * 5.0 / 6.0));
     for row in &rows[4..=20] {
         let (x, w) = (row[1].unwrap(), row[6].unwrap());
-        // Linear tetrahedra of this size are a few percent too stiff in bending.
-        assert!((w / deflection(x) - 0.95).abs() < 0.06, "at {x}: {w}, beam {}", deflection(x));
+        // Linear tetrahedra of this size are a tenth too stiff in bending, and never too soft.
+        assert!((0.84..1.0).contains(&(w / deflection(x))), "at {x}: {w}, beam {}", deflection(x));
     }
     assert!(rows[21..].iter().all(|row| row[1].is_some() && row[6].is_none()), "beyond the end there is nothing");
     // A further run leaves no table of a probe that it does not have.
@@ -220,7 +220,7 @@ fn tables_that_make_no_sense_are_refused_with_their_place() {
         ("[quantities.q]\naverage = \"ux\"\ngroup = \"x-max\"\nregion = \"solid\"", "faces or cells?"),
         ("[quantities.q]\nreaction = \"x\"\ncomponent = \"x\"\nregion = \"solid\"", "names a place"),
         ("[expect.q]\nvalue = 1\ntolerance = { relative = 0.1 }", "not the name of a quantity"),
-        ("[quantities.q]\ntotal = \"mass\"\n[expect.q]\nvalue = 0\ntolerance = { relative = 0.1 }", "value of zero"),
+        ("[quantities.q]\ntotal = \"mass\"\n[expect.q]\nvalue = 0\ntolerance = { relative = 0.1 }", "is relative to"),
         ("[quantities.q]\ntotal = \"mass\"\n[expect.q]\nvalue = 1\ntolerance = {}", "must name one bound"),
         ("[probes.p]\nfrom = [0, 0, 0]\nto = [0, 0, 0]\npoints = 5", "is the point it starts"),
         ("[probes.p]\nfrom = [0, 0, 0]\nto = [1, 0, 0]\npoints = 1", "from 2"),

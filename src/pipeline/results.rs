@@ -47,7 +47,7 @@ impl<'a> Results<'a> {
         if !leftovers::is_same(&copy, &scenario.path) {
             let mesh = match &scenario.mesh {
                 MeshSource::File(file) => Some(relative(&find(file, &scenario.directory)?, &results.folder)),
-                MeshSource::Box { .. } => None,
+                MeshSource::Box { .. } | MeshSource::Shape(_) => None,
             };
             let text = scenario.to_run_again(strategy, mesh.as_deref());
             let text = text.map_err(|e| OutputError::write(&copy, std::io::Error::other(e)))?;

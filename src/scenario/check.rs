@@ -52,9 +52,19 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
 
 fn mesh(raw: Option<Table<RawMesh>>) -> Checked<MeshSource> {
     let help = "add [mesh] with file = \"part.msh\", or [mesh.box] with size = [4, 1, 1] and cells = [8, 2, 2]";
-    let Some(Table { span, value }) = raw else {
+    let Some(Table { span, mut value }) = raw else {
         return Err(Fault::new(0..0, "the scenario has no [mesh]", "no [mesh] in this file").help(help));
     };
+    let mut shapes = shapes::all(&mut value)?;
+    if let Some((span, shape)) = shapes.pop() {
+        if value.file.is_some() || value.brick.is_some() || !shapes.is_empty() {
+            return Err(shapes::one_too_many(span));
+        }
+        return match value.midside {
+            Some(midside) => Err(Fault::new(midside.span(), "goes with mesh.file only", "remove this")),
+            None => Ok(MeshSource::Shape(shape)),
+        };
+    }
     match (value.file, value.brick) {
         (Some(_), Some(brick)) => Err(Fault::new(brick.span, "stands beside `file`", "one mesh too many")
             .help("keep either mesh.file or mesh.box")),

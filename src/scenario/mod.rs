@@ -8,12 +8,14 @@ mod error;
 mod numbers;
 mod raw;
 mod selector;
+mod shapes;
 pub mod suggest;
 mod translate;
 mod wanted;
 
 pub use error::{Invalid, ScenarioError};
 pub use selector::Selector;
+pub use shapes::Shape;
 pub use wanted::{Cells, Expectation, Extent, Probe, Quantity, QuantityKind, Tolerance};
 
 use crate::adapt::options::{Estimator, Marking};
@@ -79,6 +81,8 @@ pub enum MeshSource {
         /// Cells along each edge, before each is cut into tetrahedra.
         cells: [usize; 3],
     },
+    /// Another body that is generated.
+    Shape(Shape),
 }
 
 /// Edges and corners that subdivision keeps.

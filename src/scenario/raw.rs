@@ -1,5 +1,6 @@
 //! The keys of a scenario as written: optional fields with their spans, nothing checked but names and types.
 
+use super::shapes;
 use super::wanted::{RawExpectation, RawProbe};
 use crate::adapt::options::Estimator;
 use crate::fem::options::{Field, Method, Total};
@@ -81,6 +82,16 @@ pub(super) struct RawMesh {
     pub midside: Option<Spanned<Midside>>,
     #[serde(rename = "box")]
     pub brick: Option<Table<RawBrick>>,
+    #[serde(rename = "l-prism")]
+    pub l_prism: Option<Table<shapes::RawUnits>>,
+    pub fichera: Option<Table<shapes::RawUnits>>,
+    pub cylinder: Option<Table<shapes::RawCylinder>>,
+    pub tube: Option<Table<shapes::RawTube>>,
+    #[serde(rename = "sphere-shell")]
+    pub sphere_shell: Option<Table<shapes::RawShell>>,
+    #[serde(rename = "plate-with-hole")]
+    pub plate_with_hole: Option<Table<shapes::RawPlate>>,
+    pub le10: Option<Table<shapes::RawLe10>>,
 }
 
 /// How the mid-side nodes of a quadratic mesh are used.
