@@ -231,3 +231,69 @@ fn tables_that_make_no_sense_are_refused_with_their_place() {
         assert!(message.contains(words) && message.contains("case.toml:"), "{table}: {message}");
     }
 }
+
+/// A scenario of a known solution, on sliding planes of symmetry.
+fn known(mesh: &str, exact: &str, sliding: &[(&str, &str)]) -> String {
+    let supports: String = sliding
+        .iter()
+        .map(|(group, axis)| format!("[supports.{group}]\ngroup = \"{group}\"\nfix = [\"{axis}\"]\n"))
+        .collect();
+    format!("{mesh}\n[materials.a]\nyoungs_modulus = 1.0\npoissons_ratio = 0.3\n{supports}[exact]\n{exact}\n")
+}
+
+/// Estimated and true errors of the last step, and their quotient.
+fn errors(report: &Value) -> [f64; 3] {
+    let error = &report["steps"].as_array().unwrap().last().unwrap()["error"];
+    ["energy", "true_energy", "effectivity"].map(|key| error[key].as_f64().unwrap())
+}
+
+/// Linear elements converge with the first order, the recovered stress with a higher one, so that the estimate comes near
+/// to the true error.
+#[test]
+fn known_solutions_are_approached_with_the_first_order() {
+    let sides = [("x-min", "x"), ("x-max", "x"), ("y-min", "y"), ("y-max", "y"), ("z-min", "z"), ("z-max", "z")];
+    let thirds = [("x-min", "x"), ("y-min", "y"), ("z-min", "z")];
+    let plane = [("x-min", "x"), ("y-min", "y"), ("z-min", "z"), ("z-max", "z")];
+    let outer = "solution = \"kirsch\"\nany = [{ group = \"x-max\" }, { group = \"y-max\" }]";
+    let cube = |n: usize| {
+        known(&format!("[mesh.box]\nsize = [1, 1, 1]\ncells = [{n}, {n}, {n}]"), "solution = \"smooth-cube\"", &sides)
+    };
+    let sphere = |n: usize| {
+        let exact = "solution = \"lame-sphere\"\ngroup = \"inner\"";
+        known(&format!("[mesh.sphere-shell]\nradii = [1, 2]\ncells = [{n}, {n}]"), exact, &thirds)
+    };
+    let plate = |n: usize| {
+        let cells = format!("cells = [{}, {n}, 1]", 2 * n);
+        known(&format!("[mesh.plate-with-hole]\nradius = 1\nsize = 4\nthickness = 0.5\n{cells}"), outer, &plane)
+    };
+    for [coarse, fine] in [[cube(6), cube(12)], [sphere(4), sphere(8)], [plate(5), plate(10)]] {
+        let [a, b] = [&coarse, &fine].map(|text| errors(&report(text).0));
+        let order = (a[1] / b[1]).log2();
+        assert!((0.85..1.15).contains(&order), "order {order}: {a:?} {b:?}\n{fine}");
+        assert!((0.8..1.15).contains(&b[2]), "effectivity {}\n{fine}", b[2]);
+    }
+    // a(u, u) of the cube is 9 pi^2 mu / 4, and the error is orthogonal to the solution.
+    let (report, stdout) = report(&cube(6));
+    let exact = 2.25 * std::f64::consts::PI.powi(2) / 2.6;
+    let computed = 2.0 * report["steps"][0]["strain_energy"].as_f64().unwrap();
+    let [_, error, _] = errors(&report);
+    assert!((computed + error * error - exact).abs() < 1e-4 * exact, "{computed} + {error}^2, not {exact}");
+    assert!(stdout.contains("effectivity"), "{stdout}");
+}
+
+#[test]
+fn a_known_solution_of_another_solid_is_refused() {
+    let (code, message) = refused(&format!("{PULLED}[exact]\nsolution = \"smooth-cube\"\n"));
+    assert!(code == Some(5) && message.contains("another solid") && message.contains("[2, 1, 1]"), "{message}");
+    let (code, message) = refused(&format!("{PULLED}[exact]\nsolution = \"smoth-cube\"\n"));
+    assert!(code == Some(3) && message.contains("smooth-cube"), "{message}");
+}
+
+#[test]
+fn the_bundled_fichera_corner_meets_its_expectations() {
+    let (report, _) = report(include_str!("../scenarios/fichera.toml"));
+    let energy = &report["expectations"]["energy"];
+    assert_eq!(energy["passed"], true);
+    // Discrete energies under given forces are lower bounds.
+    assert!(energy["deviation"].as_f64().unwrap() < 0.0);
+}

@@ -79,3 +79,17 @@ pub enum Total {
     /// Integral of the density.
     Mass,
 }
+
+/// A known solution.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ExactSolution {
+    /// On the unit cube with sliding sides, u = (sin px cos py cos pz, -2 cos px sin py cos pz, cos px cos py sin pz) with
+    /// p = pi, under the body force 3 pi^2 mu u.
+    SmoothCube,
+    /// An eighth of a sphere of radii 1 and 2 under an inner pressure of 1 (Lame).
+    LameSphere,
+    /// A quarter of a plate of half edge 4 with a hole of radius 1, in plane strain, its outer sides under the tractions of
+    /// an infinite plate in tension 1 along x (Kirsch).
+    Kirsch,
+}

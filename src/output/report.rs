@@ -130,6 +130,10 @@ pub struct ErrorRecord {
     pub normalised_mean: f64,
     /// mean(eta_K^2) / M^2.
     pub normalised_mean_square: f64,
+    /// The energy norm of the true error, where an exact solution is given.
+    pub true_energy: Option<f64>,
+    /// That over the energy norm of the exact solution.
+    pub true_relative: Option<f64>,
     /// eta over the true error, where an exact solution is given.
     pub effectivity: Option<f64>,
 }
@@ -322,6 +326,8 @@ pub(super) mod tests {
                 relative: 0.4,
                 normalised_mean: 0.209,
                 normalised_mean_square: 0.06,
+                true_energy: None,
+                true_relative: None,
                 effectivity: None,
             },
             quality: QualityRecord {
@@ -387,7 +393,10 @@ pub(super) mod tests {
                 "step cells nodes edges boundary_faces dofs free_dofs feature_edges feature_length volume selected \
                  strain_energy max_displacement error quality solver seconds reactions quantities",
             ),
-            ("/steps/0/error", "energy relative normalised_mean normalised_mean_square effectivity"),
+            (
+                "/steps/0/error",
+                "energy relative normalised_mean normalised_mean_square true_energy true_relative effectivity",
+            ),
             ("/steps/0/quality", "worst average best max_valence average_valence valence_above_50 inverted"),
             ("/steps/0/solver", "method iterations residual nonzeros"),
             ("/steps/0/seconds", "refine assemble solve estimate mark write total"),

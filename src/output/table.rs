@@ -3,7 +3,7 @@
 
 mod quantities;
 
-pub use quantities::{expectations, quantities};
+pub use quantities::{expectations, quantities, true_errors};
 
 use super::compare::{EqualError, Ratios};
 use super::options::{Published, PublishedStep};

@@ -2,14 +2,14 @@
 
 use super::ModelError;
 use super::analyse::Analysed;
-use super::resolve::{Resolved, Targets};
+use super::resolve::{Resolved, Targets, properties};
 use crate::error::Error;
 use crate::fem::{self, State};
 use crate::mesh::locate::Locator;
 use crate::mesh::{RegionId, TetMesh};
 use crate::output::csv::write_csv;
 use crate::output::report::{ExpectationRecord, QuantityRecord, Report};
-use crate::scenario::{Cells, Extent, Probe, Quantity, QuantityKind, Scenario, suggest};
+use crate::scenario::{Cells, Exact, Extent, Material, Probe, Quantity, QuantityKind, Scenario, suggest};
 use glam::DVec3;
 use std::path::Path;
 
@@ -73,6 +73,31 @@ fn cells(q: &Quantity, cells: &Cells, mesh: &TetMesh) -> Result<fem::Cells, Mode
     }
     let (lo, hi) = mesh.bounding_box();
     fault("asks for a part that holds nothing of the mesh".to_owned(), format!("the model spans {lo} to {hi}"))
+}
+
+/// The known solution of a scenario on its mesh.
+///
+/// # Errors
+/// [`ModelError`]: several materials, another solid than that of the solution, a selector that matches nothing.
+pub(super) fn exact(e: &Exact, chosen: &[&Material], targets: &mut Targets) -> Result<fem::Exact, ModelError> {
+    let fault = |problem: &str, help: String| {
+        let (place, what, problem) = (e.place.clone(), "the exact solution".to_owned(), problem.to_owned());
+        Err(ModelError::Place { place, what, problem, help })
+    };
+    let [first, others @ ..] = chosen else { return fault("needs a material", "add one".to_owned()) };
+    if others.iter().any(|m| properties(m) != properties(first)) {
+        return fault("is that of one material", "give all regions the same material".to_owned());
+    }
+    let tractions = match &e.tractions {
+        Some(selector) => Some(targets.group("exact", "tractions", &e.place, selector)?),
+        None => None,
+    };
+    let exact = fem::Exact { solution: e.solution, material: properties(first), tractions };
+    let (lo, hi) = targets.mesh().bounding_box();
+    if !exact.fits(lo, hi) {
+        return fault("is that of another solid", format!("the model spans {lo} to {hi}"));
+    }
+    Ok(exact)
 }
 
 /// Checks that the points of quantities, and one of each probe at least, lie in the mesh.

@@ -14,6 +14,8 @@ pub struct Resolved {
     pub model: Model,
     /// The quantities asked for, on its regions and groups.
     pub quantities: Vec<fem::Quantity>,
+    /// The solution that is known.
+    pub exact: Option<fem::Exact>,
     /// What each selector matched.
     pub selections: Vec<Selection>,
     /// What is allowed but deserves a word.
@@ -59,14 +61,16 @@ pub fn resolve(scenario: &Scenario, mesh: TetMesh) -> Result<Resolved, ModelErro
         loads.push(fem::Load { name: load.name.clone(), kind });
     }
     let quantities = quantities::resolve(scenario, &mut targets)?;
+    let exact = scenario.exact.as_ref().map(|e| quantities::exact(e, &chosen, &mut targets)).transpose()?;
     let Targets { mesh, selections } = targets;
     let model = Model { materials: chosen.iter().map(|m| properties(m)).collect(), supports, loads };
     let prescribed = loading::prescribed(&mesh, &model)?;
-    let warnings = loading::warnings(&mesh, &model, &prescribed);
-    Ok(Resolved { mesh: with_features(scenario, mesh)?, model, quantities, selections, warnings })
+    // A known solution brings loads that the model does not list.
+    let warnings = if exact.is_none() { loading::warnings(&mesh, &model, &prescribed) } else { Vec::new() };
+    Ok(Resolved { mesh: with_features(scenario, mesh)?, model, quantities, exact, selections, warnings })
 }
 
-fn properties(m: &Material) -> fem::Material {
+pub(super) fn properties(m: &Material) -> fem::Material {
     fem::Material {
         youngs_modulus: m.youngs_modulus,
         poissons_ratio: m.poissons_ratio,

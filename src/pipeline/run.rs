@@ -63,9 +63,9 @@ pub(super) fn prepare(scenario: &Scenario, options: &RunOptions) -> Result<Resol
     Ok(problem)
 }
 
-/// The tables of quantities and of what was expected of them.
+/// The tables of true errors, of quantities and of what was expected of them.
 pub(super) fn quantity_tables(report: &Report) -> String {
-    let tables = [table::quantities(&report.steps), table::expectations(report)];
+    let tables = [table::true_errors(&report.steps), table::quantities(&report.steps), table::expectations(report)];
     tables.into_iter().filter(|t| !t.is_empty()).map(|t| format!("\n{t}")).collect()
 }
 

@@ -39,6 +39,7 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
         supports,
         loads: loads.collect::<Checked<_>>()?,
         probes: wanted::probes(raw.probes.unwrap_or_default(), &place)?,
+        exact: raw.exact.map(|t| wanted::exact(t, &place)).transpose()?,
         expectations: wanted::expectations(raw.expect.unwrap_or_default(), &quantities)?,
         quantities,
         refine: refine(raw.refine.map(|t| t.value), &mut warnings)?,

@@ -16,7 +16,7 @@ mod wanted;
 pub use error::{Invalid, ScenarioError};
 pub use selector::Selector;
 pub use shapes::Shape;
-pub use wanted::{Cells, Expectation, Extent, Probe, Quantity, QuantityKind, Tolerance};
+pub use wanted::{Cells, Exact, Expectation, Extent, Probe, Quantity, QuantityKind, Tolerance};
 
 use crate::adapt::options::{Estimator, Marking};
 use crate::fem::options::SolverOptions;
@@ -53,6 +53,8 @@ pub struct Scenario {
     pub quantities: Vec<Quantity>,
     /// `[probes.<name>]`, sorted by name.
     pub probes: Vec<Probe>,
+    /// `[exact]`.
+    pub exact: Option<Exact>,
     /// `[expect.<name>]`, sorted by name.
     pub expectations: Vec<Expectation>,
     /// `[refine]`.

@@ -3,7 +3,7 @@
 use super::shapes;
 use super::wanted::{RawExpectation, RawProbe};
 use crate::adapt::options::Estimator;
-use crate::fem::options::{Field, Method, Total};
+use crate::fem::options::{ExactSolution, Field, Method, Total};
 use crate::output::options::Compression;
 use crate::subdiv::options::{Boundary, Mode, Objective, QualityMeasure, Scheme};
 use serde::{Deserialize, Deserializer, de};
@@ -73,6 +73,7 @@ pub(super) struct RawScenario {
     pub quantities: Option<Named<RawQuantity>>,
     pub probes: Option<Named<RawProbe>>,
     pub expect: Option<Named<RawExpectation>>,
+    pub exact: Option<Table<RawExact>>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -181,6 +182,8 @@ selector_table!(RawQuantity {
     region: Text,
     within: Table<RawBox>
 });
+selector_table!(RawExact { solution: ExactSolution });
+selector_of!(RawExact);
 selector_of!(RawQuantity);
 selector_of!(RawSupport);
 selector_of!(RawLoad);

@@ -4,8 +4,8 @@ use super::{document::Document, error::Fault, suggest};
 use std::ops::Range;
 
 /// Keys that the format reserves for what this version does not do.
-const RESERVED_KEYS: [&str; 9] =
-    ["interfaces", "target_angle", "valence_limit", "quantity_error", "goal", "engine", "exact", "units", "body_force"];
+const RESERVED_KEYS: [&str; 8] =
+    ["interfaces", "target_angle", "valence_limit", "quantity_error", "goal", "engine", "units", "body_force"];
 
 /// Values that the format reserves likewise, each with what to use today.
 const RESERVED_VALUES: [(&str, &str); 11] = [

@@ -2,10 +2,10 @@
 
 use super::error::Fault;
 use super::numbers::{Checked, finite, integer, positive, vector};
-use super::raw::{Integer, Named, Number, RawQuantity, Table, Vector};
+use super::raw::{Integer, Named, Number, RawExact, RawQuantity, Table, Vector};
 use super::selector::{Selector, at_most_one, brick_corners};
 use super::suggest;
-use crate::fem::options::{Field, Total};
+use crate::fem::options::{ExactSolution, Field, Total};
 use glam::DVec3;
 use serde::Deserialize;
 use std::ops::Range;
@@ -71,6 +71,17 @@ pub struct Probe {
     pub to: DVec3,
     /// Number of points, both ends included.
     pub points: usize,
+}
+
+/// The solution that is known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Exact {
+    /// Where it is written.
+    pub place: String,
+    /// Which.
+    pub solution: ExactSolution,
+    /// The faces on which its tractions act as loads.
+    pub tractions: Option<Selector>,
 }
 
 /// What a quantity is expected to be at the last step.
@@ -227,6 +238,15 @@ fn no_extent(raw: RawQuantity, span: &Range<usize>, why: &str) -> Checked<()> {
         _ => Err(Fault::new(span.clone(), format!("names a place, but {why}"), "this quantity")
             .help("remove the selector, `region` or `within`")),
     }
+}
+
+/// Checks `[exact]`.
+pub(super) fn exact(Table { span, value: raw }: Table<RawExact>, place: Place) -> Checked<Exact> {
+    let solution = raw.solution.ok_or_else(|| {
+        Fault::new(span.clone(), "lacks `solution`", "`solution` is missing here")
+            .help("for example solution = \"smooth-cube\"")
+    })?;
+    Ok(Exact { place: place(&span), solution, tractions: at_most_one(raw.into())? })
 }
 
 /// Checks `[probes]`.

@@ -26,7 +26,7 @@ pub fn expectations(report: &Report) -> String {
     if report.expectations.is_empty() {
         return String::new();
     }
-    let mut rows = table("expected|value|expected|deviation|allowed|");
+    let mut rows = table("quantity|value|expected|deviation|allowed|");
     for (name, e) in &report.expectations {
         let share = if e.expected == 0.0 {
             figures(e.deviation, 3)
@@ -43,4 +43,24 @@ pub fn expectations(report: &Report) -> String {
         rows.add_row([name.clone(), value, expected, share, allowed, verdict.to_owned()]);
     }
     text(rows) + "\n"
+}
+
+/// The estimated error of each step beside the true one, empty where that is not known.
+#[must_use]
+pub fn true_errors(records: &[StepRecord]) -> String {
+    let mut rows = table("step|estimated\nerror|true\nerror|effectivity|true relative\nerror %");
+    for record in records {
+        let e = &record.error;
+        let (Some(energy), Some(relative), Some(effectivity)) = (e.true_energy, e.true_relative, e.effectivity) else {
+            return String::new();
+        };
+        rows.add_row([
+            record.step.to_string(),
+            figures(e.energy, 4),
+            figures(energy, 4),
+            figures(effectivity, 3),
+            percent(relative),
+        ]);
+    }
+    format!("Error in the energy norm\n{}\n", text(rows))
 }
