@@ -4,7 +4,7 @@ use super::clip::{self, Piece, WHOLE, Weights};
 use super::options::{Field, Total};
 use super::{Model, Solution, SymTensor, double_contraction, von_mises};
 use crate::mesh::features::face_normal;
-use crate::mesh::locate::Locator;
+use crate::mesh::locate::Located;
 use crate::mesh::{GroupId, RegionId, TetMesh};
 use glam::DVec3;
 
@@ -98,15 +98,15 @@ const TET_RULE: [f64; 2] = [0.585_410_196_624_968_5, 0.138_196_601_125_010_5];
 const TRIANGLE_RULE: [f64; 2] = [2.0 / 3.0, 1.0 / 6.0];
 
 impl State<'_> {
-    /// The number that a quantity is. NaN where an average has nothing to average.
+    /// The number that a quantity is; `locate` finds the cell of a point. NaN where an average has nothing to average.
     #[must_use]
-    pub fn value(&self, kind: QuantityKind, locator: &Locator) -> f64 {
+    pub fn value(&self, kind: QuantityKind, locate: &dyn Fn(DVec3) -> Located) -> f64 {
         match kind {
             QuantityKind::Average(field, Extent::Faces(group)) => self.face_mean(field, group),
             QuantityKind::Average(field, Extent::Cells(cells)) => self.cell_mean(field, cells),
             QuantityKind::Maximum(field, extent) => self.maximum(field, extent),
             QuantityKind::Value(field, point) => {
-                let found = locator.nearest(point);
+                let found = locate(point);
                 self.at(field, self.mesh.tets()[found.cell], found.weights)
             }
             QuantityKind::Total(what, cells) => self.total(what, cells),

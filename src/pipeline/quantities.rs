@@ -11,6 +11,7 @@ use crate::output::csv::write_csv;
 use crate::output::report::{ExpectationRecord, QuantityRecord, Report};
 use crate::scenario::{Cells, Exact, Extent, Material, Probe, Quantity, QuantityKind, Scenario, suggest};
 use glam::DVec3;
+use std::cell::LazyCell;
 use std::path::Path;
 
 /// Distance from the mesh at which a point counts as outside, as a fraction of the diagonal of the bounding box.
@@ -134,9 +135,11 @@ pub(super) fn values(mesh: &TetMesh, problem: &Resolved, analysed: &Analysed) ->
     if problem.quantities.is_empty() {
         return Vec::new();
     }
-    let (state, locator) = (state(mesh, problem, analysed), Locator::new(mesh));
-    let record =
-        |q: &fem::Quantity| (q.name.clone(), QuantityRecord { value: state.value(q.kind, &locator), error: None });
+    let state = state(mesh, problem, analysed);
+    // Few quantities are at points.
+    let locator = LazyCell::new(|| Locator::new(mesh));
+    let value = |q: &fem::Quantity| state.value(q.kind, &|p| locator.nearest(p));
+    let record = |q: &fem::Quantity| (q.name.clone(), QuantityRecord { value: value(q), error: None });
     problem.quantities.iter().map(record).collect()
 }
 
