@@ -49,6 +49,13 @@ pub enum Error {
     #[error("scheme \"red\" refines all cells or none, so there is nothing adaptive to compare with")]
     #[diagnostic(help("set refine.scheme = \"sqrt3\" or \"longest-edge\"; or use `run` for global red refinement"))]
     NothingToCompare,
+    /// Quantities of the last step are not what the scenario expects.
+    #[error("not as expected: {sentences}")]
+    #[diagnostic(help("refine more if the mesh is too coarse, or look at [expect] and what it is compared with"))]
+    Unexpected {
+        /// One for each quantity.
+        sentences: String,
+    },
     /// All refinement steps are done and the error is still above what the scenario asks for.
     #[error("{}, {} % was asked for", reached_text(*reached), percent(*asked))]
     #[diagnostic(help("allow more: refine.steps, or the limits of [refine.stop]"))]
@@ -68,11 +75,12 @@ fn reached_text(reached: f64) -> String {
 }
 
 impl Error {
-    /// The exit code of a command that ends with this error: 3 scenario, 4 mesh, 5 ill-posed model, 6 solver, memory or
-    /// output, 7 asked tolerance not reached. (0 is success, 1 a failed verification, 2 wrong usage.)
+    /// The exit code of a command that ends with this error: 1 not as expected, 3 scenario, 4 mesh, 5 ill-posed model, 6 solver, memory or
+    /// output, 7 asked tolerance not reached. (0 is success, 2 wrong usage.)
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
+            Self::Unexpected { .. } => 1,
             Self::NotVtu { .. } => 2,
             Self::Scenario(_) | Self::NothingToCompare => 3,
             Self::Mesh(_) => 4,

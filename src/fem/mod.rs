@@ -6,13 +6,16 @@
 mod assembly;
 mod block_matrix;
 mod check;
+mod clip;
 mod constraints;
 mod error;
+mod exact;
 mod loads;
 mod material;
 mod numbering;
 pub mod options;
 mod quadrature;
+mod quantity;
 mod recover;
 mod solve;
 mod springs;
@@ -23,9 +26,11 @@ mod tet4;
 pub use assembly::{System, assemble};
 pub use constraints::check_constraints;
 pub use error::FemError;
+pub use exact::{Exact, TrueError};
 pub use loads::{distance_outside, load_forces};
 pub use material::{double_contraction, von_mises};
 pub use numbering::{Prescribed, prescribed};
+pub use quantity::{Cells, Extent, Quantity, QuantityKind, State};
 pub use recover::{Solution, global_balance, recover};
 pub use solve::{Solved, SolverInfo, solve};
 

@@ -1,4 +1,4 @@
-//! Choices of the solvers, plain data.
+//! Choices of the solvers and of what is asked of a solution, plain data.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -31,4 +31,66 @@ impl Default for SolverOptions {
     fn default() -> Self {
         Self { method: Method::Auto, tolerance: 1e-8, direct_memory_limit: 2 << 30 }
     }
+}
+
+/// A scalar field of a solution.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Field {
+    /// Displacement along x.
+    Ux,
+    /// Displacement along y.
+    Uy,
+    /// Displacement along z.
+    Uz,
+    /// Length of the displacement.
+    Displacement,
+    /// Stress component XX.
+    Sxx,
+    /// Stress component YY.
+    Syy,
+    /// Stress component ZZ.
+    Szz,
+    /// Stress component XY.
+    Sxy,
+    /// Stress component YZ.
+    Syz,
+    /// Stress component XZ.
+    Sxz,
+    /// Von Mises' equivalent stress.
+    VonMises,
+}
+
+impl Field {
+    /// Whether it is a field of the stress, not of the displacement.
+    #[must_use]
+    pub fn is_stress(self) -> bool {
+        !matches!(self, Self::Ux | Self::Uy | Self::Uz | Self::Displacement)
+    }
+}
+
+/// What can be summed up over cells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Total {
+    /// Integral of half stress times strain.
+    StrainEnergy,
+    /// Volume.
+    Volume,
+    /// Integral of the density.
+    Mass,
+}
+
+/// A known solution.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ExactSolution {
+    /// On the unit cube with sliding sides, u = (sin px cos py cos pz, -2 cos px sin py cos pz, cos px cos py sin pz) with
+    /// p = pi, under the body force 3 pi^2 mu u.
+    SmoothCube,
+    /// An eighth of a sphere of radii 1 and 2 under an inner pressure of 1 (Lame).
+    LameSphere,
+    /// A quarter of a plate of half edge 4 with a hole of radius 1, in plane strain, its outer sides under the tractions of
+    /// an infinite plate in tension 1 along x (Kirsch).
+    Kirsch,
 }

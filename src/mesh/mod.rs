@@ -6,6 +6,7 @@ mod error;
 mod face_rows;
 pub mod features;
 pub mod generate;
+pub mod locate;
 pub mod quality;
 pub mod read;
 pub mod surface;

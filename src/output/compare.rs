@@ -61,9 +61,11 @@ pub struct EqualError {
 #[must_use]
 pub fn ratios(global: &Report, adaptive: &Report) -> Ratios {
     let equal_step = global.steps.iter().zip(&adaptive.steps).map(|(g, a)| step_ratio(g, a)).collect();
-    let equal_error = equal_error(&costs(&global.steps), &costs(&adaptive.steps)).unwrap_or_else(|reason| EqualError {
+    let error_source = error_source(global, adaptive);
+    let equal_error = equal_error(&costs(&global.steps), &costs(&adaptive.steps), error_source);
+    let equal_error = equal_error.unwrap_or_else(|reason| EqualError {
         error: None,
-        error_source: ERROR_SOURCE,
+        error_source,
         cells: None,
         dofs: None,
         seconds: None,
@@ -72,8 +74,11 @@ pub fn ratios(global: &Report, adaptive: &Report) -> Ratios {
     Ratios { equal_step, equal_error }
 }
 
-/// No run knows its true error yet.
-const ERROR_SOURCE: &str = "estimated";
+/// Where the errors of both runs come from.
+fn error_source(global: &Report, adaptive: &Report) -> &'static str {
+    let known = global.steps.iter().chain(&adaptive.steps).all(|s| s.error.true_relative.is_some());
+    if known { "true" } else { "estimated" }
+}
 
 fn step_ratio(global: &StepRecord, adaptive: &StepRecord) -> StepRatio {
     StepRatio {
@@ -98,12 +103,15 @@ fn costs(steps: &[StepRecord]) -> Vec<Cost> {
     let mut seconds = 0.0;
     let all = steps.iter().map(|s| {
         seconds += s.seconds.computing();
-        Cost { error: s.error.relative, paid: [s.mesh.cells as f64, s.dofs as f64, seconds] }
+        Cost {
+            error: s.error.true_relative.unwrap_or(s.error.relative),
+            paid: [s.mesh.cells as f64, s.dofs as f64, seconds],
+        }
     });
     all.filter(|c| c.error.is_finite() && c.error > 0.0).collect()
 }
 
-fn equal_error(global: &[Cost], adaptive: &[Cost]) -> Result<EqualError, String> {
+fn equal_error(global: &[Cost], adaptive: &[Cost], error_source: &'static str) -> Result<EqualError, String> {
     let last =
         |run: &[Cost], name: &str| run.last().map(|c| c.error).ok_or(format!("the {name} run has no error above 0"));
     let error = last(global, "global")?.max(last(adaptive, "adaptive")?);
@@ -111,7 +119,7 @@ fn equal_error(global: &[Cost], adaptive: &[Cost]) -> Result<EqualError, String>
     let ratio = |i: usize| Some(global[i] / adaptive[i]).filter(|r: &f64| r.is_finite());
     Ok(EqualError {
         error: Some(error),
-        error_source: ERROR_SOURCE,
+        error_source,
         cells: ratio(0),
         dofs: ratio(1),
         seconds: ratio(2),

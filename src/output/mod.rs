@@ -5,6 +5,7 @@
 
 pub mod atomic;
 pub mod compare;
+pub mod csv;
 mod error;
 pub mod frames;
 pub mod options;

@@ -33,6 +33,9 @@ pub struct Report {
     pub warnings: Vec<String>,
     /// One record a solve; step 0 is the input mesh.
     pub steps: Vec<StepRecord>,
+    /// Quantities of the last step beside what the scenario expects of them.
+    #[serde(serialize_with = "as_map")]
+    pub expectations: Vec<(String, ExpectationRecord)>,
     /// Wall time of the run, writing included; within a comparison that of the first pass, though the seconds of the steps
     /// are medians over all.
     pub seconds_total: f64,
@@ -146,6 +149,10 @@ pub struct ErrorRecord {
     pub normalised_mean: f64,
     /// mean(eta_K^2) / M^2.
     pub normalised_mean_square: f64,
+    /// The energy norm of the true error, where an exact solution is given.
+    pub true_energy: Option<f64>,
+    /// That over the energy norm of the exact solution.
+    pub true_relative: Option<f64>,
     /// eta over the true error, where an exact solution is given.
     pub effectivity: Option<f64>,
 }
@@ -214,8 +221,26 @@ impl PhaseSeconds {
 pub struct QuantityRecord {
     /// Its value.
     pub value: f64,
-    /// Its estimated error.
-    pub error: f64,
+    /// Its estimated error, where there is an estimate.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<f64>,
+}
+
+/// A quantity of the last step beside what the scenario expects.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ExpectationRecord {
+    /// Its value.
+    pub value: f64,
+    /// What it should be.
+    pub expected: f64,
+    /// `value - expected`.
+    pub deviation: f64,
+    /// The largest deviation allowed.
+    pub allowed: f64,
+    /// Whether it is allowed.
+    pub passed: bool,
+    /// Where the expected value is from.
+    pub source: Option<String>,
 }
 
 /// A mesh without a solution: what `inspect` and `subdivide` report.
@@ -320,6 +345,8 @@ pub(super) mod tests {
                 relative: 0.4,
                 normalised_mean: 0.209,
                 normalised_mean_square: 0.06,
+                true_energy: None,
+                true_relative: None,
                 effectivity: None,
             },
             quality: QualityRecord {
@@ -355,6 +382,7 @@ pub(super) mod tests {
             stop_reason: StopReason::RelativeError,
             warnings: Vec::new(),
             steps,
+            expectations: Vec::new(),
             seconds_total: 1.0,
             peak_memory_bytes: 1 << 24,
         }
@@ -374,19 +402,23 @@ pub(super) mod tests {
     #[test]
     fn the_report_has_the_promised_keys_and_no_other() {
         let mut record = step(0);
-        record.quantities.push(("tip".to_owned(), QuantityRecord { value: 1.0, error: 0.1 }));
+        record.quantities.push(("tip".to_owned(), QuantityRecord { value: 1.0, error: Some(0.1) }));
         let json = serde_json::to_value(report(vec![record])).unwrap();
         let promised = [
             (
                 "",
-                "schema program scenario selections threads stop_reason warnings steps seconds_total peak_memory_bytes",
+                "schema program scenario selections threads stop_reason warnings steps expectations seconds_total \
+                 peak_memory_bytes",
             ),
             (
                 "/steps/0",
                 "step cells nodes edges boundary_faces dofs free_dofs feature_edges feature_length volume selected \
                  strain_energy max_displacement error quality solver seconds reactions quantities",
             ),
-            ("/steps/0/error", "energy relative normalised_mean normalised_mean_square effectivity"),
+            (
+                "/steps/0/error",
+                "energy relative normalised_mean normalised_mean_square true_energy true_relative effectivity",
+            ),
             ("/steps/0/quality", "worst average best max_valence average_valence valence_above_50 inverted"),
             ("/steps/0/solver", "method iterations residual nonzeros"),
             ("/steps/0/seconds", "refine assemble solve estimate mark write total"),

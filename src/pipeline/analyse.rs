@@ -1,5 +1,6 @@
 //! One mesh analysed: solved, its stress recovered, its error estimated.
 
+use super::quantities;
 use super::resolve::Resolved;
 use super::simulate::{Plan, timed};
 use crate::adapt::{self, CellErrors};
@@ -29,7 +30,13 @@ pub(super) fn analyse(
     seconds: &mut PhaseSeconds,
 ) -> Result<Analysed, Error> {
     let phase = plan.progress.phase(format!("step {index}: assemble {} cells", mesh.tets().len()));
-    let system = timed(&mut seconds.assemble, || fem::assemble(mesh, &problem.model))?;
+    let system = timed(&mut seconds.assemble, || {
+        let mut system = fem::assemble(mesh, &problem.model)?;
+        if let Some(exact) = &problem.exact {
+            exact.add_loads(mesh, &mut system);
+        }
+        Ok::<_, fem::FemError>(system)
+    })?;
     phase.say(format!("step {index}: solve {} equations", system.free_dofs()));
     let solved = timed(&mut seconds.solve, || fem::solve(&system, &plan.scenario.solver))?;
     phase.say(format!("step {index}: estimate the error"));
@@ -67,7 +74,7 @@ impl Analysed {
             selected: 0,
             strain_energy: self.solution.strain_energy,
             max_displacement: self.solution.displacement.iter().copied().map(DVec3::length).fold(0.0, f64::max),
-            error: self.error_record(unit),
+            error: self.error_record(mesh, problem, unit),
             quality: quality::quality(mesh).into(),
             solver: SolverRecord {
                 method: info.method.to_owned(),
@@ -77,11 +84,12 @@ impl Analysed {
             },
             seconds: PhaseSeconds::default(),
             reactions: supports.map(|(s, r)| (s.name.clone(), r.to_array())).collect(),
-            quantities: Vec::new(),
+            quantities: quantities::values(mesh, problem, self),
         }
     }
 
-    fn error_record(&self, unit: f64) -> ErrorRecord {
+    fn error_record(&self, mesh: &TetMesh, problem: &Resolved, unit: f64) -> ErrorRecord {
+        let exact = problem.exact.map(|e| e.error(mesh, &problem.model, &self.solution));
         let squared = &self.errors.squared;
         // Where nothing has an error, the normalised error is zero too.
         let mean = |sum: f64, unit: f64| if unit == 0.0 { 0.0 } else { sum / squared.len() as f64 / unit };
@@ -90,7 +98,9 @@ impl Analysed {
             relative: self.relative_error(),
             normalised_mean: mean(squared.iter().map(|e| e.sqrt()).sum(), unit),
             normalised_mean_square: mean(squared.iter().sum(), unit * unit),
-            effectivity: None,
+            true_energy: exact.map(|e| e.energy),
+            true_relative: exact.map(|e| e.relative),
+            effectivity: exact.map(|e| self.errors.energy() / e.energy),
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::doubts::ending;
 use super::leftovers;
 use super::results::{Results, write_text};
-use super::run::{missed_tolerance, plot_curves, prepare, warnings};
+use super::run::{failure, plot_curves, prepare, quantity_tables, warnings};
 use super::simulate::{Plan, simulate};
 use super::{RunOptions, print, resolve::Resolved};
 use crate::error::Error;
@@ -33,7 +33,7 @@ const NOTHING_REFINED: &str = "warning: the scenario refines nothing (refine.str
 /// steps are very short and `repeat` is not 1.
 ///
 /// # Errors
-/// [`Error`] with its exit code, as [`super::run::run`]; the tolerance is asked of the adaptive run.
+/// [`Error`] with its exit code, as [`super::run::run`]; the tolerance and what is expected is asked of the adaptive run.
 pub fn compare(scenario: &Scenario, options: &RunOptions, repeat: usize) -> Result<(), Error> {
     if scenario.refine.options.scheme == Scheme::Red {
         return Err(Error::NothingToCompare);
@@ -68,11 +68,11 @@ pub fn compare(scenario: &Scenario, options: &RunOptions, repeat: usize) -> Resu
         for (name, strategy, report) in
             [("global", Strategy::Global, &global), ("adaptive", Strategy::Adaptive, &adaptive)]
         {
-            doubts += &format!("{name}: {}\n", ending(scenario, strategy, report));
+            doubts += &format!("{name}: {}\n{}", ending(scenario, strategy, report), quantity_tables(report));
         }
         print(&format!("{text}\n{doubts}results in {}\n", folder.display()))?;
     }
-    missed_tolerance(scenario, &adaptive).map_or(Ok(()), Err)
+    failure(scenario, &adaptive).map_or(Ok(()), Err)
 }
 
 /// The pass whose results are written, into a folder of the strategy's name.
@@ -83,7 +83,7 @@ fn first_pass(
     strategy: Strategy,
     name: &str,
 ) -> Result<Report, Error> {
-    let mut results = Results::begin(options.folder(scenario).join(name), scenario, strategy)?;
+    let mut results = Results::begin(options.folder(scenario).join(name), scenario, problem, strategy)?;
     let report = simulate(problem, &plan(scenario, options, strategy), &mut |step| results.step(step))?;
     results.finish(&report)?;
     Ok(report)

@@ -69,7 +69,8 @@ fn ours(folder: &Path) -> Result<(Vec<PathBuf>, usize), OutputError> {
 fn is_our_name(name: &str) -> bool {
     let number = name.strip_prefix("step_").and_then(|rest| rest.strip_suffix(".vtu"));
     let is_step = |n: &str| n.len() >= 3 && n.bytes().all(|b| b.is_ascii_digit());
-    FILES.contains(&name) || number.is_some_and(is_step)
+    let is_probe = name.starts_with("probe_") && name.ends_with(".csv");
+    FILES.contains(&name) || is_probe || number.is_some_and(is_step)
 }
 
 #[cfg(test)]
@@ -80,7 +81,8 @@ mod tests {
     fn only_our_files_and_folders_of_nothing_else_are_removed() {
         let root = tempfile::tempdir().unwrap();
         let at = |file: &str| root.path().join(file);
-        let ours = ["step_000.vtu", "step_1234.vtu", "report.json", "global/step_001.vtu", "global/view.py"];
+        let ours =
+            ["step_000.vtu", "step_1234.vtu", "report.json", "probe_axis.csv", "global/step_001.vtu", "global/view.py"];
         let theirs = [
             "step_.vtu",
             "step_00.vtu",

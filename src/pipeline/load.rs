@@ -1,8 +1,8 @@
 //! From a scenario's `[mesh]` to a mesh.
 
 use crate::mesh::read::{MeshFile, read};
-use crate::mesh::{MeshError, generate};
-use crate::scenario::{MeshSource, Scenario};
+use crate::mesh::{MeshError, TetMesh, generate};
+use crate::scenario::{MeshSource, Scenario, Shape};
 use std::io::{Error as IoError, ErrorKind};
 use std::path::{Path, PathBuf};
 
@@ -20,6 +20,21 @@ pub fn load(scenario: &Scenario) -> Result<MeshFile, MeshError> {
             let mesh = generate::box_tets(*size, *cells)?;
             Ok(MeshFile { mesh, format: "generated box", notes: Vec::new() })
         }
+        MeshSource::Shape(shape) => Ok(MeshFile { mesh: generated(*shape)?, format: "generated", notes: Vec::new() }),
+    }
+}
+
+fn generated(shape: Shape) -> Result<TetMesh, MeshError> {
+    match shape {
+        Shape::LPrism(cells) => generate::l_prism(cells),
+        Shape::Fichera(cells) => generate::fichera(cells),
+        Shape::Cylinder { radius, length, cells } => generate::cylinder(radius, length, cells),
+        Shape::Tube { radii, length, cells } => generate::tube(radii, length, cells),
+        Shape::SphereShell { radii, cells } => generate::sphere_shell(radii, cells),
+        Shape::PlateWithHole { radius, size, thickness, cells } => {
+            generate::plate_with_hole(radius, size, thickness, cells)
+        }
+        Shape::Le10 { cells } => generate::le10(cells),
     }
 }
 

@@ -12,6 +12,7 @@ mod leftovers;
 pub mod load;
 mod loading;
 mod model_error;
+mod quantities;
 pub mod resolve;
 mod results;
 pub mod run;

@@ -86,6 +86,19 @@ pub enum ModelError {
         /// The nearest vertex, and what the model spans.
         help: String,
     },
+    /// A quantity or probe of a place that is not in the mesh.
+    #[error("{place}: {what} {problem}")]
+    #[diagnostic(help("{help}"))]
+    Place {
+        /// Where it is written.
+        place: String,
+        /// The quantity or probe.
+        what: String,
+        /// What it asks for.
+        problem: String,
+        /// What there is.
+        help: String,
+    },
     /// Gravity acts on a material of unknown density.
     #[error("{place}: load `{load}` is gravity, but {materials} no density")]
     #[diagnostic(help("add density = ... (mass per volume, in units that agree with the moduli)"))]

@@ -1,6 +1,6 @@
 //! From a scenario and a mesh to a model: selectors become groups, materials find their regions, features are found.
 
-use super::{ModelError, hints, loading, select};
+use super::{ModelError, hints, loading, quantities, select};
 use crate::fem::{self, Model};
 use crate::field::Field;
 use crate::mesh::{GroupId, TetMesh, features, features::face_normal, topology};
@@ -18,6 +18,10 @@ pub struct Resolved {
     pub mesh: TetMesh,
     /// Materials, supports and loads on its regions and groups.
     pub model: Model,
+    /// The quantities asked for, on its regions and groups.
+    pub quantities: Vec<fem::Quantity>,
+    /// The solution that is known.
+    pub exact: Option<fem::Exact>,
     /// What each selector matched.
     pub selections: Vec<Selection>,
     /// What is allowed but deserves a word.
@@ -43,13 +47,16 @@ pub fn resolve(scenario: &Scenario, mesh: TetMesh) -> Result<Resolved, ModelErro
         }
         loads.push(fem::Load { name: load.name.clone(), kind: targets.load(load)? });
     }
+    let quantities = quantities::resolve(scenario, &mut targets)?;
+    let exact = scenario.exact.as_ref().map(|e| quantities::exact(e, &chosen, &mut targets)).transpose()?;
     let Targets { mesh, selections } = targets;
     let model = Model { materials: chosen.iter().map(|m| properties(m)).collect(), supports, loads };
-    let warnings = loading::warnings(&mesh, &model)?;
-    Ok(Resolved { mesh: with_features(scenario, mesh)?, model, selections, warnings })
+    // A known solution brings loads that the model does not list.
+    let warnings = if exact.is_none() { loading::warnings(&mesh, &model)? } else { Vec::new() };
+    Ok(Resolved { mesh: with_features(scenario, mesh)?, model, quantities, exact, selections, warnings })
 }
 
-fn properties(m: &Material) -> fem::Material {
+pub(super) fn properties(m: &Material) -> fem::Material {
     fem::Material {
         youngs_modulus: m.youngs_modulus,
         poissons_ratio: m.poissons_ratio,
@@ -139,12 +146,16 @@ fn check_inside(mesh: &TetMesh, point: DVec3, load: &Load) -> Result<(), ModelEr
 }
 
 /// The mesh while groups are added to it.
-struct Targets {
+pub(super) struct Targets {
     mesh: TetMesh,
     selections: Vec<Selection>,
 }
 
 impl Targets {
+    pub(super) fn mesh(&self) -> &TetMesh {
+        &self.mesh
+    }
+
     fn support(&mut self, s: &Support) -> Result<fem::Support, ModelError> {
         let group = self.group("support", &s.name, &s.place, &s.selector)?;
         let mut displacement = s.displacement.clone();
@@ -170,7 +181,13 @@ impl Targets {
     }
 
     /// The group of the faces that a selector matches: the mesh's own if it names one, else a new one.
-    fn group(&mut self, what: &'static str, name: &str, place: &str, s: &Selector) -> Result<GroupId, ModelError> {
+    pub(super) fn group(
+        &mut self,
+        what: &'static str,
+        name: &str,
+        place: &str,
+        s: &Selector,
+    ) -> Result<GroupId, ModelError> {
         let title = format!("{what} `{name}`");
         let selected = select::select(&self.mesh, s).map_err(|unknown| {
             let help = hints::unknown_group(&self.mesh, &unknown.0);

@@ -2,6 +2,8 @@
 
 use super::leftovers;
 use super::load::find;
+use super::quantities::write_probes;
+use super::resolve::Resolved;
 use super::simulate::Step;
 use crate::error::Error;
 use crate::fem;
@@ -18,6 +20,7 @@ use std::path::{Component, Path, PathBuf};
 pub(super) struct Results<'a> {
     folder: PathBuf,
     scenario: &'a Scenario,
+    problem: &'a Resolved,
     /// Time and name of each VTK file so far.
     files: Vec<(f64, String)>,
     /// Minimum dihedral angles and errors of the cells of each step, for the histograms.
@@ -31,15 +34,20 @@ impl<'a> Results<'a> {
     ///
     /// # Errors
     /// [`Error::Output`] if the folder cannot be written.
-    pub(super) fn begin(folder: PathBuf, scenario: &'a Scenario, strategy: Strategy) -> Result<Self, Error> {
+    pub(super) fn begin(
+        folder: PathBuf,
+        scenario: &'a Scenario,
+        problem: &'a Resolved,
+        strategy: Strategy,
+    ) -> Result<Self, Error> {
         ensure_writable_dir(&folder)?;
         leftovers::remove(&folder, &scenario.path)?;
-        let results = Self { folder, scenario, files: Vec::new(), angles: Vec::new(), errors: Vec::new() };
+        let results = Self { folder, scenario, problem, files: Vec::new(), angles: Vec::new(), errors: Vec::new() };
         let copy = results.path("scenario.toml");
         if !leftovers::is_same(&copy, &scenario.path) {
             let mesh = match &scenario.mesh {
                 MeshSource::File(file) => Some(relative(&find(file, &scenario.directory)?, &results.folder)),
-                MeshSource::Box { .. } => None,
+                MeshSource::Box { .. } | MeshSource::Shape(_) => None,
             };
             let text = scenario.to_run_again(strategy, mesh.as_deref());
             let text = text.map_err(|e| OutputError::write(&copy, std::io::Error::other(e)))?;
@@ -60,6 +68,8 @@ impl<'a> Results<'a> {
         if self.scenario.output.vtk {
             self.vtk(step, &indicator)?;
         }
+        // Those of the last step stay.
+        write_probes(&self.folder, &self.scenario.probes, step.mesh, self.problem, step.analysed)?;
         self.angles.push((label.clone(), angles));
         self.errors.push((label, indicator));
         Ok(())

@@ -1,6 +1,7 @@
 //! `subsolid run`: one scenario from its file to its results.
 
 use super::doubts::ending;
+use super::quantities::failed_expectations;
 use super::resolve::{Resolved, resolve};
 use super::results::Results;
 use super::simulate::{Plan, simulate};
@@ -17,11 +18,11 @@ use std::path::Path;
 /// Runs a scenario and writes its results.
 ///
 /// # Errors
-/// [`Error`] with its exit code; [`Error::ToleranceNotReached`] after everything is written, if the scenario asks for an
-/// error that was not reached.
+/// [`Error`] with its exit code; after everything is written, [`Error::Unexpected`] if a quantity is not what the scenario
+/// expects, and [`Error::ToleranceNotReached`] if it asks for an error that was not reached.
 pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<Report, Error> {
     let problem = prepare(scenario, options)?;
-    let mut results = Results::begin(options.folder(scenario), scenario, scenario.refine.strategy)?;
+    let mut results = Results::begin(options.folder(scenario), scenario, &problem, scenario.refine.strategy)?;
     let plan = Plan {
         scenario,
         strategy: scenario.refine.strategy,
@@ -40,11 +41,11 @@ pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<Report, Error> {
         let folder = options.folder(scenario);
         let reactions = report.steps.last().map(table::reactions).unwrap_or_default();
         let (units, steps) = (table::units(&report.units), table::steps(&report.steps));
-        let text = format!("{units}{steps}\n{reactions}");
+        let text = format!("{units}{steps}\n{reactions}{}", quantity_tables(&report));
         let ending = ending(scenario, plan.strategy, &report);
         print(&format!("{text}\n{}{ending}\nresults in {}\n", warnings("", &report), folder.display()))?;
     }
-    match missed_tolerance(scenario, &report) {
+    match failure(scenario, &report) {
         Some(error) => Err(error),
         None => Ok(report),
     }
@@ -61,6 +62,17 @@ pub(super) fn prepare(scenario: &Scenario, options: &RunOptions) -> Result<Resol
         print(&format!("{}\n{}", scenario.title, remarks.chain(warnings).collect::<String>()))?;
     }
     Ok(problem)
+}
+
+/// The tables of true errors, of quantities and of what was expected of them.
+pub(super) fn quantity_tables(report: &Report) -> String {
+    let tables = [table::true_errors(&report.steps), table::quantities(&report.steps), table::expectations(report)];
+    tables.into_iter().filter(|t| !t.is_empty()).map(|t| format!("\n{t}")).collect()
+}
+
+/// The error to end with after everything is written: an expectation that failed, or a tolerance that was not reached.
+pub(super) fn failure(scenario: &Scenario, report: &Report) -> Option<Error> {
+    failed_expectations(report).or_else(|| missed_tolerance(scenario, report))
 }
 
 /// The warnings of a run, a line each; `run` names it where there are several.
@@ -86,7 +98,7 @@ pub(super) fn plot_curves(folder: &Path, runs: &[(&str, &Report)]) -> Result<(),
 }
 
 /// The error to end with if the scenario asks for a relative error and the run ended without it.
-pub(super) fn missed_tolerance(scenario: &Scenario, report: &Report) -> Option<Error> {
+fn missed_tolerance(scenario: &Scenario, report: &Report) -> Option<Error> {
     let asked = scenario.refine.stop.relative_error.filter(|_| report.stop_reason != StopReason::RelativeError)?;
     let reached = report.steps.last()?.error.relative;
     Some(Error::ToleranceNotReached { asked, reached })

@@ -3,6 +3,7 @@
 use super::MemoryProbe;
 use super::analyse::{Analysed, analyse};
 use super::doubts;
+use super::quantities;
 use super::resolve::Resolved;
 use crate::adapt;
 use crate::error::Error;
@@ -71,7 +72,9 @@ pub(super) fn simulate(
         let input = problem.mesh.points().len();
         (mesh, history) = timed(&mut refine_seconds, || refine(&step, &history, plan, input))?;
     };
+    let last = steps.last().map_or(&[][..], |s: &StepRecord| &s.quantities);
     Ok(Report {
+        expectations: quantities::expectations(plan.scenario, last),
         schema: SCHEMA,
         program: PROGRAM.to_owned(),
         scenario: plan.scenario.path.display().to_string(),

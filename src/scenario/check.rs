@@ -21,6 +21,9 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
     let mut warnings = Vec::new();
     let place = |span: &Range<usize>| document.place(span);
     let materials = materials(raw.materials.unwrap_or_default(), &place, &mut warnings)?;
+    let supports = actions::supports(raw.supports.unwrap_or_default(), &place)?;
+    let names: Vec<&str> = supports.iter().map(|s| s.name.as_str()).collect();
+    let quantities = wanted::quantities(raw.quantities.unwrap_or_default(), &names, &place)?;
     Ok(Scenario {
         path: PathBuf::new(),
         directory: PathBuf::new(),
@@ -30,8 +33,12 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
         mesh: mesh(raw.mesh)?,
         features: features(raw.features)?,
         materials,
-        supports: actions::supports(raw.supports.unwrap_or_default(), &place)?,
+        supports,
         loads: actions::loads(raw.loads.unwrap_or_default(), &place)?,
+        probes: wanted::probes(raw.probes.unwrap_or_default(), &place)?,
+        exact: raw.exact.map(|t| wanted::exact(t, &place)).transpose()?,
+        expectations: wanted::expectations(raw.expect.unwrap_or_default(), &quantities)?,
+        quantities,
         refine: refine(raw.refine.map(|t| t.value), &mut warnings)?,
         adapt: adapt(raw.adapt.map(|t| t.value).unwrap_or_default())?,
         solver: solver(raw.solver.map(|t| t.value).unwrap_or_default())?,
@@ -44,9 +51,19 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
 
 fn mesh(raw: Option<Table<RawMesh>>) -> Checked<MeshSource> {
     let help = "add [mesh] with file = \"part.msh\", or [mesh.box] with size = [4, 1, 1] and cells = [8, 2, 2]";
-    let Some(Table { span, value }) = raw else {
+    let Some(Table { span, mut value }) = raw else {
         return Err(Fault::new(0..0, "the scenario has no [mesh]", "no [mesh] in this file").help(help));
     };
+    let mut shapes = shapes::all(&mut value)?;
+    if let Some((span, shape)) = shapes.pop() {
+        if value.file.is_some() || value.brick.is_some() || !shapes.is_empty() {
+            return Err(shapes::one_too_many(span));
+        }
+        return match value.midside {
+            Some(midside) => Err(Fault::new(midside.span(), "goes with mesh.file only", "remove this")),
+            None => Ok(MeshSource::Shape(shape)),
+        };
+    }
     match (value.file, value.brick) {
         (Some(_), Some(brick)) => Err(Fault::new(brick.span, "stands beside `file`", "one mesh too many")
             .help("keep either mesh.file or mesh.box")),

@@ -10,13 +10,17 @@ mod fields;
 mod numbers;
 mod raw;
 mod selector;
+mod shapes;
 mod spanned;
 pub mod suggest;
 mod translate;
+mod wanted;
 
 pub use actions::{Load, LoadKind, Support};
 pub use error::{Invalid, ScenarioError};
 pub use selector::Selector;
+pub use shapes::Shape;
+pub use wanted::{Cells, Exact, Expectation, Extent, Probe, Quantity, QuantityKind, Tolerance};
 
 use crate::adapt::options::{Estimator, Marking};
 use crate::fem::options::SolverOptions;
@@ -48,6 +52,14 @@ pub struct Scenario {
     pub supports: Vec<Support>,
     /// `[loads.<name>]`, sorted by name.
     pub loads: Vec<Load>,
+    /// `[quantities.<name>]`, sorted by name.
+    pub quantities: Vec<Quantity>,
+    /// `[probes.<name>]`, sorted by name.
+    pub probes: Vec<Probe>,
+    /// `[exact]`.
+    pub exact: Option<Exact>,
+    /// `[expect.<name>]`, sorted by name.
+    pub expectations: Vec<Expectation>,
     /// `[refine]`.
     pub refine: Refine,
     /// `[adapt]`.
@@ -76,6 +88,8 @@ pub enum MeshSource {
         /// Cells along each edge, before each is cut into tetrahedra.
         cells: [usize; 3],
     },
+    /// Another body that is generated.
+    Shape(Shape),
 }
 
 /// Edges and corners that subdivision keeps.

@@ -1,10 +1,11 @@
 //! The keys of a scenario as written: optional fields with their spans, nothing checked but names and types.
 
 use super::actions::{Fixed, RawStiffness};
-use super::fields;
 use super::spanned::Spanned;
+use super::wanted::{RawExpectation, RawProbe};
+use super::{fields, shapes};
 use crate::adapt::options::Estimator;
-use crate::fem::options::Method;
+use crate::fem::options::{ExactSolution, Field, Method, Total};
 use crate::output::options::{Compression, Units};
 use crate::subdiv::options::{Boundary, Mode, Objective, QualityMeasure, Scheme};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -73,6 +74,10 @@ pub(super) struct RawScenario {
     pub output: Option<Table<RawOutput>>,
     pub published: Option<Table<RawPublished>>,
     pub units: Option<Table<Units>>,
+    pub quantities: Option<Named<RawQuantity>>,
+    pub probes: Option<Named<RawProbe>>,
+    pub expect: Option<Named<RawExpectation>>,
+    pub exact: Option<Table<RawExact>>,
 }
 
 #[derive(Debug, Deserialize, JsonSchema)]
@@ -82,6 +87,16 @@ pub(super) struct RawMesh {
     pub midside: Option<Spanned<Midside>>,
     #[serde(rename = "box")]
     pub brick: Option<Table<RawBrick>>,
+    #[serde(rename = "l-prism")]
+    pub l_prism: Option<Table<shapes::RawUnits>>,
+    pub fichera: Option<Table<shapes::RawUnits>>,
+    pub cylinder: Option<Table<shapes::RawCylinder>>,
+    pub tube: Option<Table<shapes::RawTube>>,
+    #[serde(rename = "sphere-shell")]
+    pub sphere_shell: Option<Table<shapes::RawShell>>,
+    #[serde(rename = "plate-with-hole")]
+    pub plate_with_hole: Option<Table<shapes::RawPlate>>,
+    pub le10: Option<Table<shapes::RawLe10>>,
 }
 
 /// How the mid-side nodes of a quadratic mesh are used.
@@ -172,8 +187,31 @@ selector_table!(RawLoad {
     body_force: fields::Vector,
     gravity: Vector
 });
+selector_table!(RawQuantity {
+    average: Spanned<Field>,
+    maximum: Spanned<Field>,
+    value: Spanned<Field>,
+    point: Vector,
+    total: Spanned<Total>,
+    reaction: Text,
+    component: Spanned<Axis>,
+    region: Text,
+    within: Table<RawBox>
+});
+selector_table!(RawExact { solution: ExactSolution });
+selector_of!(RawExact);
+selector_of!(RawQuantity);
 selector_of!(RawSupport);
 selector_of!(RawLoad);
+
+/// A coordinate direction.
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Axis {
+    X,
+    Y,
+    Z,
+}
 
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -118,12 +118,18 @@ fn plane(raw: &super::raw::RawPlane) -> Checked<Selector> {
 }
 
 fn brick(table: &Table<super::raw::RawBox>) -> Checked<Selector> {
+    let (min, max) = brick_corners(table)?;
+    Ok(Selector::Box { min, max, tolerance: tolerance(table.value.tolerance.as_ref())? })
+}
+
+/// The smallest and the largest coordinates of a box.
+pub(super) fn brick_corners(table: &Table<super::raw::RawBox>) -> Checked<(DVec3, DVec3)> {
     let raw = &table.value;
     let (min, max) = (vector(&raw.min)?, vector(&raw.max)?);
     if min.cmpgt(max).any() {
         return Err(outside(raw.max.span(), &max, &format!("at least `min`, {min}, in each coordinate")));
     }
-    Ok(Selector::Box { min, max, tolerance: tolerance(raw.tolerance.as_ref())? })
+    Ok((min, max))
 }
 
 fn sphere(raw: &super::raw::RawSphere) -> Checked<Selector> {

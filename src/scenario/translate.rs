@@ -4,18 +4,7 @@ use super::{document::Document, error::Fault, suggest};
 use std::ops::Range;
 
 /// Keys that the format reserves for what this version does not do.
-const RESERVED_KEYS: [&str; 10] = [
-    "interfaces",
-    "target_angle",
-    "valence_limit",
-    "quantity_error",
-    "goal",
-    "engine",
-    "quantities",
-    "probes",
-    "exact",
-    "expect",
-];
+const RESERVED_KEYS: [&str; 6] = ["interfaces", "target_angle", "valence_limit", "quantity_error", "goal", "engine"];
 
 /// Values that the format reserves likewise, each with what to use today.
 const RESERVED_VALUES: [(&str, &str); 10] = [
@@ -103,7 +92,9 @@ fn wrong_type(span: Range<usize>, key: &str, message: &str) -> Fault {
     let (got, expected) = (plain(got), plain(expected));
     let fault = Fault::new(span, format!("must be {expected}, but is {got}"), format!("expected {expected}"));
     match key.split_once('.') {
-        Some((group @ ("materials" | "supports" | "loads"), name)) if expected == "a table" && !name.contains('.') => {
+        Some((group @ ("materials" | "supports" | "loads" | "quantities" | "probes" | "expect"), name))
+            if expected == "a table" && !name.contains('.') =>
+        {
             fault.help(format!("each of the {group} has a table of its own: write [{group}.<name>] above its keys"))
         }
         _ => fault,

@@ -1,5 +1,10 @@
 //! Meshes made from a few numbers.
 
+mod lattice;
+mod shapes;
+
+pub use shapes::{cylinder, fichera, l_prism, le10, plate_with_hole, sphere_shell, tube};
+
 use super::{Face, GroupId, MeshError, PatchId, RegionId, TetMesh, TetMeshParts, topology};
 use glam::DVec3;
 

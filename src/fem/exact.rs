@@ -1,0 +1,230 @@
+//! Known solutions: their stress, the loads that make them, and the true error of a computed one.
+
+use super::options::ExactSolution;
+use super::{Material, Model, Solution, SymTensor, System};
+use crate::mesh::features::face_normal;
+use crate::mesh::{GroupId, TetMesh};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// Gauss-Legendre points and weights of degree 7 on [0, 1].
+const GAUSS: [[f64; 2]; 4] = [
+    [0.069_431_844_202_973_71, 0.173_927_422_568_726_93],
+    [0.330_009_478_207_571_9, 0.326_072_577_431_273_07],
+    [0.669_990_521_792_428_1, 0.326_072_577_431_273_07],
+    [0.930_568_155_797_026_3, 0.173_927_422_568_726_93],
+];
+
+/// A known solution on a mesh.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Exact {
+    /// Which.
+    pub solution: ExactSolution,
+    /// The material of the whole solid.
+    pub material: Material,
+    /// Faces on which its tractions act as loads.
+    pub tractions: Option<GroupId>,
+}
+
+/// How far a computed solution is from the known one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrueError {
+    /// Energy norm of the error, sqrt(a(e, e)).
+    pub energy: f64,
+    /// That over the energy norm of the known solution.
+    pub relative: f64,
+}
+
+impl Exact {
+    /// Whether the known solution is one of a solid with this bounding box.
+    #[must_use]
+    pub fn fits(&self, lo: DVec3, hi: DVec3) -> bool {
+        let (want_lo, want_hi) = match self.solution {
+            ExactSolution::SmoothCube => (DVec3::ZERO, DVec3::ONE),
+            ExactSolution::LameSphere => (DVec3::ZERO, DVec3::splat(2.0)),
+            ExactSolution::Kirsch => (DVec3::ZERO.with_z(lo.z), DVec3::splat(4.0).with_z(hi.z)),
+        };
+        lo.distance(want_lo) < 1e-9 && hi.distance(want_hi) < 1e-9
+    }
+
+    /// Stress at a point.
+    #[must_use]
+    pub fn stress(&self, x: DVec3) -> SymTensor {
+        match self.solution {
+            ExactSolution::SmoothCube => self.material.stress(smooth_cube_strain(x)),
+            ExactSolution::LameSphere => lame_sphere(x),
+            ExactSolution::Kirsch => kirsch(x, self.material.poissons_ratio),
+        }
+    }
+
+    /// Force per volume at a point.
+    #[must_use]
+    pub fn body_force(&self, x: DVec3) -> DVec3 {
+        match self.solution {
+            // The displacement has no divergence and is an eigenfunction of the Laplacian.
+            ExactSolution::SmoothCube => 3.0 * PI * PI * self.material.mu() * smooth_cube(x),
+            _ => DVec3::ZERO,
+        }
+    }
+
+    /// Adds the loads of the known solution to a system.
+    pub fn add_loads(&self, mesh: &TetMesh, system: &mut System) {
+        if self.solution == ExactSolution::SmoothCube {
+            let of_cell = |t: usize| {
+                let (x, volume) = (mesh.cell_points(t), mesh.cell_volume(t));
+                let mut forces = [DVec3::ZERO; 4];
+                for (weights, share) in tet_rule() {
+                    let force = share * volume * self.body_force(point(&x, &weights));
+                    forces.iter_mut().zip(weights).for_each(|(sum, w)| *sum += w * force);
+                }
+                forces
+            };
+            let forces: Vec<[DVec3; 4]> = (0..mesh.tets().len()).into_par_iter().map(of_cell).collect();
+            for (tet, forces) in mesh.tets().iter().zip(forces) {
+                tet.iter().zip(forces).for_each(|(&v, f)| system.loads[v as usize] += f);
+            }
+        }
+        for face in self.tractions.iter().flat_map(|g| mesh.group_faces(*g)) {
+            let x = face.vertices.map(|v| mesh.points()[v as usize]);
+            let area = 0.5 * face_normal(mesh.points(), face.vertices);
+            for (weights, share) in triangle_rule() {
+                let force = share * traction(self.stress(point(&x, &weights)), area);
+                face.vertices.iter().zip(weights).for_each(|(&v, w)| system.loads[v as usize] += w * force);
+            }
+        }
+    }
+
+    /// The true error of a solution, by quadrature of degree 5 over the cells of its mesh.
+    #[must_use]
+    pub fn error(&self, mesh: &TetMesh, model: &Model, solution: &Solution) -> TrueError {
+        let of_cell = |t: usize| {
+            let material = &model.materials[mesh.regions()[t].0 as usize];
+            let (x, volume, computed) = (mesh.cell_points(t), mesh.cell_volume(t), solution.stress[t]);
+            let mut squares = [0.0; 2];
+            for (weights, share) in tet_rule() {
+                let exact = self.stress(point(&x, &weights));
+                let error = std::array::from_fn(|i| exact[i] - computed[i]);
+                squares[0] += share * volume * material.compliance_energy(error);
+                squares[1] += share * volume * material.compliance_energy(exact);
+            }
+            squares
+        };
+        let squares: Vec<[f64; 2]> = (0..mesh.tets().len()).into_par_iter().map(of_cell).collect();
+        let [error, norm] = squares.iter().fold([0.0; 2], |sum, s| [sum[0] + s[0], sum[1] + s[1]]);
+        TrueError { energy: error.sqrt(), relative: (error / norm).sqrt() }
+    }
+}
+
+/// u = (sin x cos y cos z, -2 cos x sin y cos z, cos x cos y sin z) in units of 1 / pi.
+fn smooth_cube(x: DVec3) -> DVec3 {
+    let [(sx, cx), (sy, cy), (sz, cz)] = x.to_array().map(|x| (PI * x).sin_cos());
+    DVec3::new(sx * cy * cz, -2.0 * cx * sy * cz, cx * cy * sz)
+}
+
+fn smooth_cube_strain(x: DVec3) -> SymTensor {
+    let [(sx, cx), (sy, cy), (sz, cz)] = x.to_array().map(|x| (PI * x).sin_cos());
+    let own = PI * cx * cy * cz;
+    [own, -2.0 * own, own, 0.5 * PI * sx * sy * cz, 0.5 * PI * cx * sy * sz, -PI * sx * cy * sz]
+}
+
+/// A hollow sphere of radii 1 and 2 under an inner pressure of 1.
+fn lame_sphere(x: DVec3) -> SymTensor {
+    let r = x.length();
+    let (radial, tangential) = ((1.0 - 8.0 / r.powi(3)) / 7.0, (1.0 + 4.0 / r.powi(3)) / 7.0);
+    let n = x / r;
+    let entry = |i: usize, j: usize| (radial - tangential) * n[i] * n[j] + if i == j { tangential } else { 0.0 };
+    [entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(1, 2), entry(0, 2)]
+}
+
+/// A plate with a hole of radius 1 under a far tension of 1 along x, in plane strain.
+fn kirsch(x: DVec3, nu: f64) -> SymTensor {
+    let q = 1.0 / (x.x * x.x + x.y * x.y);
+    let (sin, cos) = x.y.atan2(x.x).sin_cos();
+    let (sin2, cos2) = (2.0 * sin * cos, cos * cos - sin * sin);
+    let rr = 0.5 * (1.0 - q) + 0.5 * (1.0 - 4.0 * q + 3.0 * q * q) * cos2;
+    let tt = 0.5 * (1.0 + q) - 0.5 * (1.0 + 3.0 * q * q) * cos2;
+    let rt = -0.5 * (1.0 + 2.0 * q - 3.0 * q * q) * sin2;
+    let xx = rr * cos * cos + tt * sin * sin - rt * sin2;
+    let yy = rr * sin * sin + tt * cos * cos + rt * sin2;
+    [xx, yy, nu * (rr + tt), 0.5 * (rr - tt) * sin2 + rt * cos2, 0.0, 0.0]
+}
+
+/// The force on an area vector, `s n`.
+fn traction(s: SymTensor, n: DVec3) -> DVec3 {
+    DVec3::new(
+        s[0] * n.x + s[3] * n.y + s[5] * n.z,
+        s[3] * n.x + s[1] * n.y + s[4] * n.z,
+        s[5] * n.x + s[4] * n.y + s[2] * n.z,
+    )
+}
+
+fn point<const N: usize>(x: &[DVec3; N], weights: &[f64; N]) -> DVec3 {
+    x.iter().zip(weights).map(|(x, w)| *w * *x).sum()
+}
+
+/// Barycentric points and weights (of sum 1) on a triangle, exact up to degree 6: a square's rule with one side collapsed.
+fn triangle_rule() -> impl Iterator<Item = ([f64; 3], f64)> {
+    GAUSS
+        .into_iter()
+        .flat_map(|[u, wu]| GAUSS.into_iter().map(move |[v, wv]| ([1.0 - u, u * (1.0 - v), u * v], 2.0 * u * wu * wv)))
+}
+
+/// Barycentric points and weights (of sum 1) on a tetrahedron, exact up to degree 5.
+fn tet_rule() -> impl Iterator<Item = ([f64; 4], f64)> {
+    GAUSS.into_iter().flat_map(|[u, wu]| {
+        triangle_rule().map(move |([a, b, c], w)| ([1.0 - u, u * a, u * b, u * c], 3.0 * u * u * wu * w))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const MATERIAL: Material = Material { youngs_modulus: 2.0, poissons_ratio: 0.3, density: 0.0 };
+
+    #[test]
+    fn the_rule_integrates_polynomials_of_degree_five() {
+        let factorial = |n: i32| (1..=n).map(f64::from).product::<f64>();
+        for (i, j, k) in [(0, 0, 0), (5, 0, 0), (2, 2, 1), (1, 0, 4), (0, 3, 2)] {
+            // The mean of a^i b^j c^k over a tetrahedron is 3! i! j! k! / (i + j + k + 3)!.
+            let exact = 6.0 * factorial(i) * factorial(j) * factorial(k) / factorial(i + j + k + 3);
+            let sum: f64 = tet_rule().map(|(l, w)| w * l[0].powi(i) * l[1].powi(j) * l[3].powi(k)).sum();
+            assert!((sum - exact).abs() < 1e-14, "{i} {j} {k}");
+        }
+    }
+
+    proptest! {
+        /// Each known stress is in balance with its body force.
+        #[test]
+        fn the_divergence_of_the_stress_is_minus_the_body_force(x in prop::array::uniform3(0.6_f64..1.2)) {
+            for solution in [ExactSolution::SmoothCube, ExactSolution::LameSphere, ExactSolution::Kirsch] {
+                let exact = Exact { solution, material: MATERIAL, tractions: None };
+                let (x, h) = (DVec3::from_array(x), 1e-5);
+                let along = |axis: usize| {
+                    let step = h * DVec3::AXES[axis];
+                    let of = |x| traction(exact.stress(x), DVec3::AXES[axis]);
+                    (of(x + step) - of(x - step)) / (2.0 * h)
+                };
+                let divergence = along(0) + along(1) + along(2);
+                prop_assert!((divergence + exact.body_force(x)).length() < 1e-7, "{solution:?}: {divergence}");
+            }
+        }
+
+        /// The strain is that of the displacement, whose divergence is zero.
+        #[test]
+        fn the_strain_of_the_smooth_cube_is_the_symmetric_gradient(x in prop::array::uniform3(0.0_f64..1.0)) {
+            let (x, h) = (DVec3::from_array(x), 1e-5);
+            let d = [0, 1, 2].map(|axis| {
+                let step = h * DVec3::AXES[axis];
+                (smooth_cube(x + step) - smooth_cube(x - step)) / (2.0 * h)
+            });
+            let strain = smooth_cube_strain(x);
+            for (entry, (i, j)) in strain.into_iter().zip([(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)]) {
+                prop_assert!((entry - 0.5 * (d[i][j] + d[j][i])).abs() < 1e-8);
+            }
+            prop_assert!((strain[0] + strain[1] + strain[2]).abs() < 1e-12);
+        }
+    }
+}

@@ -1,0 +1,218 @@
+//! What a scenario asks of a solution, from its words to numbers: quantities, probes, expectations.
+
+use super::ModelError;
+use super::analyse::Analysed;
+use super::resolve::{Resolved, Targets, properties};
+use crate::error::Error;
+use crate::fem::{self, State};
+use crate::mesh::locate::Locator;
+use crate::mesh::{RegionId, TetMesh};
+use crate::output::csv::write_csv;
+use crate::output::report::{ExpectationRecord, QuantityRecord, Report};
+use crate::scenario::{Cells, Exact, Extent, Material, Probe, Quantity, QuantityKind, Scenario, suggest};
+use glam::DVec3;
+use std::cell::LazyCell;
+use std::path::Path;
+
+/// Distance from the mesh at which a point counts as outside, as a fraction of the diagonal of the bounding box.
+const OUTSIDE: f64 = 1e-6;
+
+/// The columns of a probe's table.
+const COLUMNS: [&str; 14] =
+    ["s", "x", "y", "z", "ux", "uy", "uz", "sxx", "syy", "szz", "sxy", "syz", "sxz", "von_mises"];
+
+/// The quantities of a scenario on its mesh; faces become groups.
+///
+/// # Errors
+/// [`ModelError`]: a selector or a box that holds nothing, a region or group that does not exist, a point outside.
+pub(super) fn resolve(scenario: &Scenario, targets: &mut Targets) -> Result<Vec<fem::Quantity>, ModelError> {
+    let mut quantities = Vec::new();
+    for q in &scenario.quantities {
+        let kind = match &q.kind {
+            QuantityKind::Average(field, e) => fem::QuantityKind::Average(*field, extent(q, e, targets)?),
+            QuantityKind::Maximum(field, e) => fem::QuantityKind::Maximum(*field, extent(q, e, targets)?),
+            QuantityKind::Value(field, point) => fem::QuantityKind::Value(*field, *point),
+            QuantityKind::Total(what, c) => fem::QuantityKind::Total(*what, cells(q, c, targets.mesh())?),
+            QuantityKind::Reaction(support, component) => {
+                // The scenario was checked to have this support; the model has them in the same order.
+                let index = scenario.supports.iter().position(|s| s.name == *support).unwrap_or(0);
+                fem::QuantityKind::Reaction(index, *component)
+            }
+        };
+        quantities.push(fem::Quantity { name: q.name.clone(), kind });
+    }
+    check_points(scenario, targets.mesh())?;
+    Ok(quantities)
+}
+
+fn extent(q: &Quantity, extent: &Extent, targets: &mut Targets) -> Result<fem::Extent, ModelError> {
+    match extent {
+        Extent::Faces(selector) => targets.group("quantity", &q.name, &q.place, selector).map(fem::Extent::Faces),
+        Extent::Cells(c) => cells(q, c, targets.mesh()).map(fem::Extent::Cells),
+    }
+}
+
+fn cells(q: &Quantity, cells: &Cells, mesh: &TetMesh) -> Result<fem::Cells, ModelError> {
+    let fault = |problem: String, help: String| {
+        let (place, what) = (q.place.clone(), format!("quantity `{}`", q.name));
+        Err(ModelError::Place { place, what, problem, help })
+    };
+    let region = match &cells.region {
+        None => None,
+        Some(name) => match mesh.region_names().iter().position(|r| r == name) {
+            Some(index) => Some(RegionId(index as u16)),
+            None => {
+                let regions: Vec<&str> = mesh.region_names().iter().map(String::as_str).collect();
+                let help = suggest::help(name, "regions of this mesh", &regions);
+                return fault(format!("asks for region `{name}`, which the mesh does not have"), help);
+            }
+        },
+    };
+    let resolved = fem::Cells { region, within: cells.within };
+    if resolved.volume(mesh) > 0.0 {
+        return Ok(resolved);
+    }
+    let (lo, hi) = mesh.bounding_box();
+    fault("asks for a part that holds nothing of the mesh".to_owned(), format!("the model spans {lo} to {hi}"))
+}
+
+/// The known solution of a scenario on its mesh.
+///
+/// # Errors
+/// [`ModelError`]: several materials, another solid than that of the solution, a selector that matches nothing.
+pub(super) fn exact(e: &Exact, chosen: &[&Material], targets: &mut Targets) -> Result<fem::Exact, ModelError> {
+    let fault = |problem: &str, help: String| {
+        let (place, what, problem) = (e.place.clone(), "the exact solution".to_owned(), problem.to_owned());
+        Err(ModelError::Place { place, what, problem, help })
+    };
+    let [first, others @ ..] = chosen else { return fault("needs a material", "add one".to_owned()) };
+    if others.iter().any(|m| properties(m) != properties(first)) {
+        return fault("is that of one material", "give all regions the same material".to_owned());
+    }
+    let tractions = match &e.tractions {
+        Some(selector) => Some(targets.group("exact", "tractions", &e.place, selector)?),
+        None => None,
+    };
+    let exact = fem::Exact { solution: e.solution, material: properties(first), tractions };
+    let (lo, hi) = targets.mesh().bounding_box();
+    if !exact.fits(lo, hi) {
+        return fault("is that of another solid", format!("the model spans {lo} to {hi}"));
+    }
+    Ok(exact)
+}
+
+/// Checks that the points of quantities, and one of each probe at least, lie in the mesh.
+fn check_points(scenario: &Scenario, mesh: &TetMesh) -> Result<(), ModelError> {
+    let points = scenario.quantities.iter().filter_map(|q| match q.kind {
+        QuantityKind::Value(_, point) => Some((format!("quantity `{}`", q.name), &q.place, vec![point])),
+        _ => None,
+    });
+    let lines = scenario.probes.iter().map(|p| (format!("probe `{}`", p.name), &p.place, line(p)));
+    let mut locator = None;
+    for (what, place, points) in points.chain(lines) {
+        let locator = locator.get_or_insert_with(|| Locator::new(mesh));
+        let located = points.iter().map(|p| locator.nearest(*p));
+        let nearest = located.min_by(|a, b| a.distance.total_cmp(&b.distance));
+        let Some(nearest) = nearest.filter(|n| n.distance > OUTSIDE * mesh.diagonal()) else { continue };
+        let on_mesh: DVec3 = mesh.cell_points(nearest.cell).into_iter().zip(nearest.weights).map(|(x, w)| w * x).sum();
+        let problem = match points[..] {
+            [p] => format!("asks for the point {p}, which lies outside the mesh"),
+            _ => "lies outside the mesh with all its points".to_owned(),
+        };
+        let help = format!("the nearest point of the mesh is {on_mesh}, {:.3e} away", nearest.distance);
+        return Err(ModelError::Place { place: place.clone(), what, problem, help });
+    }
+    Ok(())
+}
+
+fn line(probe: &Probe) -> Vec<DVec3> {
+    let last = (probe.points - 1) as f64;
+    (0..probe.points).map(|i| probe.from.lerp(probe.to, i as f64 / last)).collect()
+}
+
+/// The quantities of a solution.
+pub(super) fn values(mesh: &TetMesh, problem: &Resolved, analysed: &Analysed) -> Vec<(String, QuantityRecord)> {
+    if problem.quantities.is_empty() {
+        return Vec::new();
+    }
+    let state = state(mesh, problem, analysed);
+    // Few quantities are at points.
+    let locator = LazyCell::new(|| Locator::new(mesh));
+    let value = |q: &fem::Quantity| state.value(q.kind, &|p| locator.nearest(p));
+    let record = |q: &fem::Quantity| (q.name.clone(), QuantityRecord { value: value(q), error: None });
+    problem.quantities.iter().map(record).collect()
+}
+
+fn state<'a>(mesh: &'a TetMesh, problem: &'a Resolved, analysed: &'a Analysed) -> State<'a> {
+    State { mesh, model: &problem.model, solution: &analysed.solution, nodal_stress: &analysed.errors.nodal_stress }
+}
+
+/// The name of a probe's file.
+pub(super) fn probe_file(name: &str) -> String {
+    format!("probe_{name}.csv")
+}
+
+/// Writes the probes of a solution, a file each; points outside the mesh have no values.
+pub(super) fn write_probes(
+    folder: &Path,
+    probes: &[Probe],
+    mesh: &TetMesh,
+    problem: &Resolved,
+    analysed: &Analysed,
+) -> Result<(), Error> {
+    if probes.is_empty() {
+        return Ok(());
+    }
+    let (state, locator) = (state(mesh, problem, analysed), Locator::new(mesh));
+    let outside = OUTSIDE * mesh.diagonal();
+    for probe in probes {
+        let row = |p: DVec3| {
+            let found = locator.nearest(p);
+            let mut row = vec![p.distance(probe.from), p.x, p.y, p.z];
+            if found.distance > outside {
+                row.resize(COLUMNS.len(), f64::NAN);
+                return row;
+            }
+            let stress = state.stress(found.cell, found.weights);
+            row.extend(state.displacement(found.cell, found.weights).to_array());
+            row.extend(stress);
+            row.push(fem::von_mises(stress));
+            row
+        };
+        let rows: Vec<Vec<f64>> = line(probe).into_iter().map(row).collect();
+        write_csv(&folder.join(probe_file(&probe.name)), &COLUMNS, &rows)?;
+    }
+    Ok(())
+}
+
+/// The quantities of the last step beside what is expected of them.
+pub(super) fn expectations(
+    scenario: &Scenario,
+    quantities: &[(String, QuantityRecord)],
+) -> Vec<(String, ExpectationRecord)> {
+    let compare = |e: &crate::scenario::Expectation| {
+        let (_, found) = quantities.iter().find(|(name, _)| *name == e.quantity)?;
+        let (deviation, allowed) = (found.value - e.value, e.tolerance.distance(e.value));
+        let record = ExpectationRecord {
+            value: found.value,
+            expected: e.value,
+            deviation,
+            allowed,
+            passed: deviation.abs() <= allowed,
+            source: e.source.clone(),
+        };
+        Some((e.quantity.clone(), record))
+    };
+    scenario.expectations.iter().filter_map(compare).collect()
+}
+
+/// The error to end with if an expectation failed.
+pub(super) fn failed_expectations(report: &Report) -> Option<Error> {
+    let failed = report.expectations.iter().filter(|(_, e)| !e.passed);
+    let sentence = |(name, e): &(String, ExpectationRecord)| {
+        let source = e.source.as_ref().map_or(String::new(), |s| format!(" ({s})"));
+        format!("{name} is {}, expected {} within {}{source}", e.value, e.expected, e.allowed)
+    };
+    let sentences: Vec<String> = failed.map(sentence).collect();
+    (!sentences.is_empty()).then(|| Error::Unexpected { sentences: sentences.join("; ") })
+}

@@ -1,0 +1,139 @@
+//! Generated bodies: their volume, their groups, their creases.
+#![allow(clippy::unwrap_used)]
+
+use glam::DVec3;
+use std::f64::consts::PI;
+use subsolid::mesh::features::{face_normal, feature_count_and_length, with_creases};
+use subsolid::mesh::generate::{cylinder, fichera, l_prism, le10, plate_with_hole, sphere_shell, tube};
+use subsolid::mesh::{MeshError, TetMesh};
+
+/// Every face of the boundary belongs to exactly one group, no group is empty, and groups close up: the sum of their
+/// vector areas is zero.
+fn check_groups(mesh: &TetMesh) {
+    let mut faces = 0;
+    for name in mesh.groups() {
+        let count = mesh.group_faces(mesh.group(name).unwrap()).count();
+        assert!(count > 0, "{name} is empty");
+        faces += count;
+    }
+    assert_eq!(faces, mesh.faces().len());
+}
+
+/// The vector area of a group, pointing outward.
+fn area(mesh: &TetMesh, group: &str) -> DVec3 {
+    mesh.group_faces(mesh.group(group).unwrap()).map(|f| 0.5 * face_normal(mesh.points(), f.vertices)).sum()
+}
+
+/// The order with which the volume converges as the cells are halved: chords give two.
+fn order(coarse: &TetMesh, fine: &TetMesh, exact: f64) -> f64 {
+    let [a, b] = [coarse, fine].map(|m| exact - m.volume());
+    assert!(a.abs() < 0.1 * exact, "volume {} for {exact}", coarse.volume());
+    (a / b).log2()
+}
+
+#[test]
+fn notched_bodies_have_their_volume_their_faces_and_their_edges() {
+    for n in 1..4 {
+        let (prism, corner) = (l_prism(n).unwrap(), fichera(n).unwrap());
+        check_groups(&prism);
+        check_groups(&corner);
+        assert!((prism.volume() - 3.0).abs() < 1e-12 && (corner.volume() - 7.0).abs() < 1e-12);
+        assert!((area(&prism, "notch-x") - DVec3::NEG_X).length() < 1e-12);
+        assert!((area(&prism, "x-min") - DVec3::NEG_X).length() < 1e-12);
+        assert!((area(&prism, "x-max") - 2.0 * DVec3::X).length() < 1e-12);
+        assert!((area(&corner, "notch-z") - DVec3::Z).length() < 1e-12);
+        assert!((area(&corner, "z-max") - 3.0 * DVec3::Z).length() < 1e-12);
+        // Two L-shaped ends of perimeter 8 and six edges along; a cube's 24 with three more of length 1, for a corner that
+        // was cut out keeps the length of the edges.
+        let length = |mesh| feature_count_and_length(&with_creases(mesh, 40.0, &[])).1;
+        assert!((length(prism) - 22.0).abs() < 1e-12 && (length(corner) - 30.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn round_bodies_converge_to_their_volume_with_second_order() {
+    let cylinders = [2, 4].map(|n| cylinder(1.5, 3.0, [2 * n, n]).unwrap());
+    let tubes = [8, 16].map(|n| tube([1.0, 2.0], 0.5, [2, n, 1]).unwrap());
+    let shells = [3, 6].map(|n| sphere_shell([1.0, 2.0], [n, n]).unwrap());
+    let plates = [2, 4].map(|n| plate_with_hole(1.0, 4.0, 0.5, [2 * n, n, 1]).unwrap());
+    let ellipses = [4, 8].map(|n| le10([n, n, 2]).unwrap());
+    for (meshes, exact) in [
+        (&cylinders, PI * 1.5 * 1.5 * 3.0),
+        (&tubes, PI * 3.0 * 0.5),
+        (&shells, 4.0 / 3.0 * PI * 7.0 / 8.0),
+        (&plates, 0.5 * (16.0 - PI / 4.0)),
+        (&ellipses, 0.6 * PI / 4.0 * (3.25 * 2.75 - 2.0)),
+    ] {
+        meshes.iter().for_each(check_groups);
+        let order = order(&meshes[0], &meshes[1], exact);
+        assert!((order - 2.0).abs() < 0.25, "order {order} towards {exact}");
+    }
+}
+
+#[test]
+fn curved_groups_lie_on_their_surfaces_and_flat_ones_in_their_planes() {
+    let on = |mesh: &TetMesh, group: &str, far: &dyn Fn(DVec3) -> f64| {
+        for v in mesh.group_faces(mesh.group(group).unwrap()).flat_map(|f| f.vertices) {
+            let p = mesh.points()[v as usize];
+            assert!(far(p).abs() < 1e-12, "{group} at {p}");
+        }
+    };
+    let flat = |p: DVec3| p.truncate().length();
+    let rod = cylinder(1.5, 3.0, [3, 2]).unwrap();
+    on(&rod, "side", &|p| flat(p) - 1.5);
+    on(&rod, "z-max", &|p| p.z - 3.0);
+    let tube = tube([1.0, 2.0], 0.5, [2, 7, 1]).unwrap();
+    on(&tube, "inner", &|p| flat(p) - 1.0);
+    on(&tube, "outer", &|p| flat(p) - 2.0);
+    let shell = sphere_shell([1.0, 2.0], [3, 2]).unwrap();
+    on(&shell, "inner", &|p| p.length() - 1.0);
+    on(&shell, "outer", &|p| p.length() - 2.0);
+    for (group, axis) in [("x-min", 0), ("y-min", 1), ("z-min", 2)] {
+        on(&shell, group, &|p| p[axis]);
+    }
+    let plate = plate_with_hole(1.0, 4.0, 0.5, [4, 3, 2]).unwrap();
+    on(&plate, "hole", &|p| flat(p) - 1.0);
+    on(&plate, "x-max", &|p| p.x - 4.0);
+    on(&plate, "y-max", &|p| p.y - 4.0);
+    on(&plate, "x-min", &|p| p.x);
+    assert!((area(&plate, "y-max") - 2.0 * DVec3::Y).length() < 1e-12);
+    let le10 = le10([3, 5, 2]).unwrap();
+    on(&le10, "inner", &|p| (p.x / 2.0).powi(2) + p.y.powi(2) - 1.0);
+    on(&le10, "outer", &|p| (p.x / 3.25).powi(2) + (p.y / 2.75).powi(2) - 1.0);
+    on(&le10, "y-min", &|p| p.y);
+    assert!((area(&le10, "y-min") + 1.25 * 0.6 * DVec3::Y).length() < 1e-12);
+}
+
+/// At an angle between that of the facets and a right one, the creases are the rims alone.
+#[test]
+fn creases_of_round_bodies_are_their_rims() {
+    let length = |mesh: TetMesh| feature_count_and_length(&with_creases(mesh, 50.0, &[])).1;
+    let polygon = |n: f64, r: f64| 2.0 * n * r * (PI / n).sin();
+    let rims = length(tube([1.0, 2.0], 0.5, [2, 12, 1]).unwrap());
+    assert!((rims - 2.0 * (polygon(12.0, 1.0) + polygon(12.0, 2.0))).abs() < 1e-9, "{rims}");
+    // Rings of four straight eighths each.
+    let rod = length(cylinder(1.0, 2.0, [8, 4]).unwrap());
+    assert!((rod - 4.0 * PI).abs() < 0.02 * rod, "{rod}");
+    // Two spherical triangles of three quarter circles, and the three edges between them.
+    let shell = length(sphere_shell([1.0, 2.0], [8, 8]).unwrap());
+    assert!((shell - (3.0 * PI / 2.0 * 3.0 + 3.0)).abs() < 0.02 * shell, "{shell}");
+}
+
+#[test]
+fn impossible_bodies_are_refused_by_name() {
+    let cases: [(&str, Result<TetMesh, MeshError>); 9] = [
+        ("L-prism", l_prism(0)),
+        ("Fichera", fichera(usize::MAX)),
+        ("radius", cylinder(0.0, 1.0, [1, 1])),
+        ("cylinder", cylinder(1.0, 1.0, [1, 0])),
+        ("wall", tube([2.0, 1.0], 1.0, [1, 8, 1])),
+        ("three", tube([1.0, 2.0], 1.0, [1, 2, 1])),
+        ("shell", sphere_shell([1.0, 2.0], [0, 1])),
+        ("size minus the radius", plate_with_hole(4.0, 4.0, 1.0, [1, 1, 1])),
+        ("LE10", le10([1, 0, 1])),
+    ];
+    for (words, result) in cases {
+        let Err(MeshError::Generator(message)) = result else { panic!("{words} accepted") };
+        assert!(message.contains(words), "{message}");
+    }
+}
