@@ -2,7 +2,7 @@
 
 use super::error::Fault;
 use super::numbers::{Checked, finite, integer, positive, vector};
-use super::raw::{Integer, Named, Number, RawExact, RawQuantity, Table, Vector};
+use super::raw::{Integer, Named, Number, RawExact, RawQuantity, Table, Text, Vector};
 use super::selector::{Selector, at_most_one, brick_corners};
 use super::spanned::Spanned;
 use super::suggest;
@@ -157,45 +157,52 @@ pub(super) fn quantities(raw: Named<RawQuantity>, supports: &[&str], place: Plac
 
 fn kind(Table { span, value: mut raw }: Table<RawQuantity>, supports: &[&str]) -> Checked<QuantityKind> {
     check_one_kind(&raw, &span)?;
-    let (average, maximum, value) = (raw.average.take(), raw.maximum.take(), raw.value.take());
-    let (total, reaction) = (raw.total.take(), raw.reaction.take());
-    let (point, component) = (raw.point.take(), raw.component.take());
-    for (key, written, with) in [
-        ("point", point.as_ref().map(Spanned::span), value.is_some()),
-        ("component", component.as_ref().map(Spanned::span), reaction.is_some()),
-    ] {
-        let goes_with = if key == "point" { "value" } else { "reaction" };
-        if let (Some(written), false) = (written, with) {
-            return Err(Fault::new(written, format!("goes with `{goes_with}` only"), "remove this").help(KINDS));
-        }
+    goes_with(raw.point.as_ref().map(Spanned::span), "value", raw.value.is_some())?;
+    goes_with(raw.component.as_ref().map(Spanned::span), "reaction", raw.reaction.is_some())?;
+    if let Some(field) = raw.value.take() {
+        return value_at(field.into_inner(), raw, span);
     }
-    let lacks = |key: &str, example: &str| {
-        Fault::new(span.clone(), format!("lacks `{key}`"), format!("`{key}` is missing here"))
-            .help(format!("for example {example}"))
-    };
-    if let Some(field) = value {
-        no_extent(raw, &span, "`value` is at a point")?;
-        let point = point.ok_or_else(|| lacks("point", "point = [0, 0, 0]"))?;
-        return Ok(QuantityKind::Value(field.into_inner(), vector(&point)?));
+    if let Some(support) = raw.reaction.take() {
+        return reaction_of(support, raw, span, supports);
     }
-    if let Some(support) = reaction {
-        no_extent(raw, &span, "`reaction` acts where its support does")?;
-        let component = component.ok_or_else(|| lacks("component", "component = \"z\""))?.into_inner() as usize;
-        if !supports.contains(&support.get_ref().as_str()) {
-            let help = suggest::help(support.get_ref(), "supports", supports);
-            let problem = format!("is {:?}, which is not a support", support.get_ref());
-            return Err(Fault::new(support.span(), problem, "unknown support").help(help));
-        }
-        return Ok(QuantityKind::Reaction(support.into_inner(), component));
-    }
-    let extent = extent(raw)?;
-    match (average, maximum, total, extent) {
+    let (average, maximum, total) = (raw.average.take(), raw.maximum.take(), raw.total.take());
+    match (average, maximum, total, extent(raw)?) {
         (Some(field), _, _, extent) => Ok(QuantityKind::Average(field.into_inner(), extent)),
         (_, Some(field), _, extent) => Ok(QuantityKind::Maximum(field.into_inner(), extent)),
         (_, _, Some(total), Extent::Cells(cells)) => Ok(QuantityKind::Total(total.into_inner(), cells)),
         _ => Err(Fault::new(span, "is a total over cells, but has a selector of faces", "this quantity")
             .help("remove the selector; a part of the cells is named by region = \"...\" or within = { min, max }")),
     }
+}
+
+/// Refuses a key at `written` that belongs to a kind which is not there.
+fn goes_with(written: Option<Range<usize>>, kind: &str, is_there: bool) -> Checked<()> {
+    match written {
+        Some(span) if !is_there => Err(Fault::new(span, format!("goes with `{kind}` only"), "remove this").help(KINDS)),
+        _ => Ok(()),
+    }
+}
+
+fn lacks(span: Range<usize>, key: &str, example: &str) -> Fault {
+    Fault::new(span, format!("lacks `{key}`"), format!("`{key}` is missing here"))
+        .help(format!("for example {example}"))
+}
+
+fn value_at(field: Field, mut raw: RawQuantity, span: Range<usize>) -> Checked<QuantityKind> {
+    let point = raw.point.take().ok_or_else(|| lacks(span.clone(), "point", "point = [0, 0, 0]"))?;
+    no_extent(raw, &span, "`value` is at a point")?;
+    Ok(QuantityKind::Value(field, vector(&point)?))
+}
+
+fn reaction_of(support: Text, mut raw: RawQuantity, span: Range<usize>, supports: &[&str]) -> Checked<QuantityKind> {
+    let component = raw.component.take().ok_or_else(|| lacks(span.clone(), "component", "component = \"z\""))?;
+    no_extent(raw, &span, "`reaction` acts where its support does")?;
+    if !supports.contains(&support.get_ref().as_str()) {
+        let help = suggest::help(support.get_ref(), "supports", supports);
+        let problem = format!("is {:?}, which is not a support", support.get_ref());
+        return Err(Fault::new(support.span(), problem, "unknown support").help(help));
+    }
+    Ok(QuantityKind::Reaction(support.into_inner(), component.into_inner() as usize))
 }
 
 /// Refuses a table with no kind or two.
@@ -243,10 +250,8 @@ fn no_extent(raw: RawQuantity, span: &Range<usize>, why: &str) -> Checked<()> {
 
 /// Checks `[exact]`.
 pub(super) fn exact(Table { span, value: raw }: Table<RawExact>, place: Place) -> Checked<Exact> {
-    let solution = raw.solution.ok_or_else(|| {
-        Fault::new(span.clone(), "lacks `solution`", "`solution` is missing here")
-            .help("for example solution = \"smooth-cube\"")
-    })?;
+    let example = "solution = \"smooth-cube\"";
+    let solution = raw.solution.ok_or_else(|| lacks(span.clone(), "solution", example))?;
     Ok(Exact { place: place(&span), solution, tractions: at_most_one(raw.into())? })
 }
 
