@@ -118,28 +118,44 @@ pub fn face_neighbours(tets: &[[u32; 4]]) -> Vec<[Option<u32>; 4]> {
     neighbours
 }
 
-/// The boundary faces as [`boundary_faces`] gives them, unless two cells have the same four vertices: then these, the
-/// second after the first.
-pub(super) fn boundary_of_distinct(tets: &[[u32; 4]]) -> Result<Vec<[u32; 3]>, [usize; 2]> {
+/// What one look at all faces tells of distinct cells.
+#[derive(Debug, PartialEq)]
+pub(super) struct Connection {
+    /// As [`boundary_faces`] gives them.
+    pub(super) faces: Vec<[u32; 3]>,
+    /// As [`parts`] gives them.
+    pub(super) parts: (Vec<u32>, usize),
+}
+
+/// The boundary and the parts, unless two cells have the same four vertices: then these, the second after the first.
+pub(super) fn connect(tets: &[[u32; 4]]) -> Result<Connection, [usize; 2]> {
+    enum Found {
+        Boundary([u32; 3]),
+        Between([u32; 2]),
+        Same([usize; 2]),
+    }
     let rows = FaceRows::new(tets);
-    let (mut faces, mut repeated) = (Vec::new(), None);
+    let (mut faces, mut roots, mut repeated) = (Vec::new(), Roots::new(tets.len()), None);
     rows.visit(
-        |_, uses| match *uses {
-            [(_, face)] => Some(Ok(rows.face(face))),
-            _ => same_cells(tets, uses).map(Err),
+        |_, uses| match (only(uses), same_cells(tets, uses)) {
+            (Some(face), _) => Some(Found::Boundary(rows.face(face))),
+            (None, Some(cells)) => Some(Found::Same(cells)),
+            (None, None) => pair(uses).map(Found::Between),
         },
         |found| match found {
-            Ok(face) => faces.push(face),
-            Err(cells) => repeated = repeated.or(Some(cells)),
+            Found::Boundary(face) => faces.push(face),
+            Found::Between(uses) => roots.join(uses),
+            Found::Same(cells) => repeated = repeated.or(Some(cells)),
         },
     );
-    repeated.map_or(Ok(faces), Err)
+    repeated.map_or_else(|| Ok(Connection { faces, parts: roots.number() }), Err)
 }
 
 /// Two cells at one face that are the same: so is the vertex opposite to it.
 fn same_cells(tets: &[[u32; 4]], uses: &[FaceUse]) -> Option<[usize; 2]> {
     let opposite = |&(_, face): &FaceUse| (tets[face as usize / 4][face as usize % 4], face as usize / 4);
     if let [a, b] = uses {
+        // Most faces have two cells: no list for them.
         let [a, b] = [opposite(a), opposite(b)];
         return (a.0 == b.0).then_some([a.1, b.1]);
     }
@@ -181,35 +197,50 @@ impl VertexCells {
 /// The connected part of each cell (cells are connected through faces), numbered by first cell, and the number of parts.
 #[must_use]
 pub fn parts(tets: &[[u32; 4]]) -> (Vec<u32>, usize) {
-    // Each cell points to an earlier one of its part, the first to itself.
-    let mut root: Vec<u32> = (0..tets.len() as u32).collect();
-    FaceRows::new(tets).visit(
-        |_, uses| pair(uses),
-        |uses| {
-            let [a, b] = uses.map(|face| find_root(&mut root, face / 4));
-            root[a.max(b) as usize] = a.min(b);
-        },
-    );
-    let mut count = 0;
-    for t in 0..root.len() {
-        // What a root points to is the number of its part from here on; an earlier cell has its number already.
-        root[t] = if root[t] as usize == t {
-            count += 1;
-            count - 1
-        } else {
-            root[root[t] as usize]
-        };
-    }
-    (root, count as usize)
+    let mut roots = Roots::new(tets.len());
+    FaceRows::new(tets).visit(|_, uses| pair(uses), |uses| roots.join(uses));
+    roots.number()
 }
 
-/// The first cell of the part of `t`, as far as it is known; halves the path to it.
-fn find_root(root: &mut [u32], mut t: u32) -> u32 {
-    while root[t as usize] != t {
-        root[t as usize] = root[root[t as usize] as usize];
-        t = root[t as usize];
+/// Cells being connected: each points to an earlier one of its part, the first to itself.
+struct Roots(Vec<u32>);
+
+impl Roots {
+    fn new(cells: usize) -> Self {
+        Self((0..cells as u32).collect())
     }
-    t
+
+    /// The first cell of the part of `t`, as far as it is known; halves the path to it.
+    fn find(&mut self, mut t: u32) -> u32 {
+        let root = &mut self.0;
+        while root[t as usize] != t {
+            root[t as usize] = root[root[t as usize] as usize];
+            t = root[t as usize];
+        }
+        t
+    }
+
+    /// Connects the cells of two uses `4 t + i` of a face.
+    fn join(&mut self, uses: [u32; 2]) {
+        let [a, b] = uses.map(|face| self.find(face / 4));
+        self.0[a.max(b) as usize] = a.min(b);
+    }
+
+    /// The number of each cell's part, and how many there are.
+    fn number(self) -> (Vec<u32>, usize) {
+        let mut part = self.0;
+        let mut count = 0;
+        for t in 0..part.len() {
+            // An earlier cell has the number of its part already.
+            part[t] = if part[t] as usize == t {
+                count += 1;
+                count - 1
+            } else {
+                part[part[t] as usize]
+            };
+        }
+        (part, count as usize)
+    }
 }
 
 /// Checks positions and indices: finite, in range, no repeated vertex.
@@ -348,7 +379,6 @@ mod tests {
             let single: Vec<(usize, usize)> = uses.values().filter(|u| u.len() == 1).map(|u| u[0]).collect();
             let faces: Vec<[u32; 3]> = single.iter().map(|&(t, i)| tet_faces(tets[t])[i]).collect();
             prop_assert_eq!(boundary_faces(&tets), faces.clone());
-            prop_assert_eq!(boundary_of_distinct(&tets), Ok(faces));
             prop_assert_eq!(boundary_cells(&tets), single.iter().map(|&(t, _)| t as u32).collect::<Vec<_>>());
 
             let mut neighbours = vec![[None; 4]; tets.len()];
@@ -372,6 +402,7 @@ mod tests {
             let roots: Vec<usize> = first.iter().copied().collect::<BTreeSet<_>>().into_iter().collect();
             let part = first.iter().map(|f| roots.binary_search(f).unwrap() as u32).collect::<Vec<_>>();
             prop_assert_eq!(parts(&tets), (part, roots.len()));
+            prop_assert_eq!(connect(&tets), Ok(Connection { faces, parts: parts(&tets) }));
 
             let all: BTreeSet<[u32; 2]> = tets.iter().flat_map(|&tet| tet_edges(tet)).collect();
             prop_assert_eq!(edges(&tets), all.into_iter().collect::<Vec<_>>());
@@ -384,7 +415,7 @@ mod tests {
             again.rotate_left(turn);
             tets.insert(place, again);
             let original = if place <= t { t + 1 } else { t };
-            prop_assert_eq!(boundary_of_distinct(&tets), Err([original.min(place), original.max(place)]));
+            prop_assert_eq!(connect(&tets), Err([original.min(place), original.max(place)]));
         }
     }
 }

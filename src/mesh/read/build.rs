@@ -5,6 +5,7 @@ use super::error_at;
 use super::groups::{add_vertex_sets, groups, patches, regions};
 use super::nodes::{Index, NONE, number_vertices, positions};
 use super::raw::Raw;
+use crate::mesh::topology::Connection;
 use crate::mesh::{MeshError, TetMesh, TetMeshParts, Victim, quality, topology};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -36,7 +37,7 @@ pub(super) fn build(path: &Path, format: &'static str, mut raw: Raw) -> Result<M
     notes.extend(flip_if_all_inverted(&points, &mut tets));
     let (regions, region_names) = regions(path, &raw)?;
     let repeated = |cells| repeated(path, cells, &tets, &raw, &vertices);
-    let faces = topology::boundary_of_distinct(&tets).map_err(repeated)?;
+    let Connection { faces, parts } = topology::connect(&tets).map_err(repeated)?;
     let (mut tagged, mut groups, ignored) = groups(&raw, &triangles, &faces);
     add_vertex_sets(sets, points.len(), &faces, &mut tagged, &mut groups);
     drop(triangles);
@@ -47,11 +48,11 @@ pub(super) fn build(path: &Path, format: &'static str, mut raw: Raw) -> Result<M
     }
     let (faces, patches) = patches(&faces, &tagged);
     let levels = vec![0; tets.len()];
-    let parts =
+    let lists =
         TetMeshParts { points, tets, regions, levels, faces, region_names, groups, patches, ..Default::default() };
-    let mesh = TetMesh::new(parts).map_err(|error| in_file_ids(path, error, &raw, &vertices))?;
+    let mesh = TetMesh::new(lists).map_err(|error| in_file_ids(path, error, &raw, &vertices))?;
     notes.extend(coincident(&mesh));
-    notes.extend(loose_parts(&mesh));
+    notes.extend(loose_parts(&mesh, parts));
     Ok(MeshFile { mesh, format, notes })
 }
 
@@ -141,8 +142,7 @@ fn coincident(mesh: &TetMesh) -> Option<String> {
 }
 
 /// Says how many parts do not hang together, and where the first five are.
-fn loose_parts(mesh: &TetMesh) -> Option<String> {
-    let (part, count) = topology::parts(mesh.tets());
+fn loose_parts(mesh: &TetMesh, (part, count): (Vec<u32>, usize)) -> Option<String> {
     if count < 2 {
         return None;
     }
