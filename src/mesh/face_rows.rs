@@ -18,7 +18,7 @@ pub(super) type FaceUse = (u64, u32);
 
 /// How many rows a thread takes at a time, and how many are visited before their results are taken.
 const ROWS: usize = 1 << 10;
-const BATCH: usize = 64 * ROWS;
+const BATCH: usize = 16 * ROWS;
 
 impl<'a> FaceRows<'a> {
     pub(super) fn new(tets: &'a [[u32; 4]]) -> Self {
