@@ -196,9 +196,9 @@ impl Solid {
         self.faces_at[v as usize].iter().map(|&f| &self.faces[f as usize])
     }
 
-    /// The creases, in no order.
-    pub(super) fn crease_edges(&self) -> impl Iterator<Item = [u32; 2]> {
-        self.creases.keys().copied()
+    /// The creases, each with whether it is a feature, in no order.
+    pub(super) fn crease_edges(&self) -> impl Iterator<Item = ([u32; 2], bool)> {
+        self.creases.iter().map(|(&edge, &feature)| (edge, feature))
     }
 
     /// True if the vertex is on a crease or a corner.

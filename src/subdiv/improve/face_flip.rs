@@ -12,7 +12,8 @@ pub(crate) struct FaceFlip {
 }
 
 impl FaceFlip {
-    /// The flip of a face; `None` at the boundary, between regions, and where the new edge exists already.
+    /// The flip of a face; `None` at the boundary and between regions. In an embedded mesh the new edge cannot exist
+    /// already where the flip is valid.
     pub(crate) fn of(solid: &Solid, face: [u32; 3]) -> Option<Self> {
         let cells = solid.cells_at_face(face);
         let [t, u] = cells[..] else { return None };

@@ -53,7 +53,12 @@ pub(crate) fn freedoms(solid: &Solid) -> Vec<Freedom> {
     let count = solid.point_count() as u32;
     let of = |v: u32| {
         let ends = creases.partition_point(|c| c.0 < v)..creases.partition_point(|c| c.0 <= v);
-        let directions: Vec<DVec3> = creases[ends].iter().map(|c| c.2).collect();
+        let ends = &creases[ends];
+        // A feature ends where another crease goes on.
+        if ends.iter().any(|c| c.3 != ends[0].3) {
+            return Freedom::Fixed;
+        }
+        let directions: Vec<DVec3> = ends.iter().map(|c| c.2).collect();
         freedom(solid, v, &directions)
     };
     (0..count).map(of).collect()
@@ -98,10 +103,11 @@ fn line(d: DVec3, e: DVec3, normals: &[DVec3]) -> Freedom {
     if straight && in_faces { Freedom::Line(along) } else { Freedom::Fixed }
 }
 
-/// (vertex, other end, unit direction) of every crease, from both its ends, sorted.
-fn crease_directions(solid: &Solid) -> Vec<(u32, u32, DVec3)> {
-    let mut ends: Vec<(u32, u32)> = solid.crease_edges().flat_map(|[a, b]| [(a, b), (b, a)]).collect();
+/// (vertex, other end, unit direction, whether it is a feature) of every crease, from both its ends, sorted.
+fn crease_directions(solid: &Solid) -> Vec<(u32, u32, DVec3, bool)> {
+    let mut ends: Vec<(u32, u32, bool)> =
+        solid.crease_edges().flat_map(|([a, b], feature)| [(a, b, feature), (b, a, feature)]).collect();
     ends.sort_unstable();
-    let direction = |(a, b)| (a, b, (solid.point(b) - solid.point(a)).normalize_or_zero());
+    let direction = |(a, b, feature)| (a, b, (solid.point(b) - solid.point(a)).normalize_or_zero(), feature);
     ends.into_iter().map(direction).collect()
 }

@@ -46,6 +46,9 @@ pub(super) struct Quality {
     pub(super) freedoms: Vec<Freedom>,
     pub(super) filling: Filling,
     pub(super) smoother: Smoother,
+    /// Repairs that succeeded, and that failed.
+    pub(super) repaired: usize,
+    pub(super) failed: usize,
 }
 
 /// Optimises the cells changed since `since` and whatever that changes. Keeps the surface as a set of points (flat parts
@@ -85,6 +88,8 @@ impl Quality {
             freedoms,
             filling: Filling::default(),
             smoother: Smoother::with_steps(STEPS),
+            repaired: 0,
+            failed: 0,
         }
     }
 

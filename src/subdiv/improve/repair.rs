@@ -14,6 +14,11 @@ const ROUNDS: usize = 4;
 /// Edges of a cell that are tried, the longest.
 const EDGES: usize = 6;
 
+/// A run gives up repairing after this many failures, plus a few for each success: almost all repairs succeed on sound
+/// meshes, and each failure is dear where needles or flat regions leave nothing to gain.
+const PATIENCE: usize = 24;
+const FAILURES_A_SUCCESS: usize = 4;
+
 /// A repair must raise the worst sine by this much.
 const GAIN: f64 = 0.01;
 
@@ -31,16 +36,21 @@ impl Quality {
             .collect();
         bad.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
         for (t, _, tet) in bad {
+            if self.failed > PATIENCE + FAILURES_A_SUCCESS * self.repaired {
+                break;
+            }
             // Repairs of its neighbours may have changed or removed it.
             if solid.tet(t) == tet && solid.sine(t) < self.repair {
-                self.split_edges(solid, t);
+                let repaired = self.split_edges(solid, t);
+                self.repaired += usize::from(repaired);
+                self.failed += usize::from(!repaired);
             }
         }
         now
     }
 
-    /// Splits an edge of the cell, the longest that helps. Creases are left to the scheme.
-    fn split_edges(&mut self, solid: &mut Solid, t: u32) {
+    /// Splits an edge of the cell, the longest that helps; true if one does. Creases are left to the scheme.
+    fn split_edges(&mut self, solid: &mut Solid, t: u32) -> bool {
         let mut edges = topology::tet_edges(solid.tet(t));
         let length = |[a, b]: &[u32; 2]| (solid.point(*a) - solid.point(*b)).length_squared();
         edges.sort_by(|e, f| length(f).total_cmp(&length(e)).then(e.cmp(f)));
@@ -52,7 +62,7 @@ impl Quality {
                 m
             };
             !solid.is_crease([a, b]) && self.attempt(solid, old, split)
-        });
+        })
     }
 
     /// Makes a vertex, improves around it, and keeps the result if every cell touched is better than `old`.
