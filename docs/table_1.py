@@ -310,7 +310,7 @@ refinement and optimisation from the input on, with {threads}, on the machine th
 ## Example 2: {SELECTED} cells
 
 The paper does not say which cells it chose. Ours are the {SELECTED} nearest to the end of a leg, and in the second step all that
-became of them; the counts depend on such a choice.
+was refined in it; the counts depend on such a choice.
 
 {adaptive_table(runs, options.levels)}
 

@@ -85,7 +85,7 @@ pub struct Subdivide {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = value_parser!(u8).range(0..=20))]
     pub steps: u8,
     /// Cells to refine in each step: boundary (those with a boundary face), curvature (those where the boundary turns), or
-    /// a file of cell numbers from 0, one a line, of which all that they become is refined further [default: all]
+    /// a file of cell numbers from 0, one a line; later steps refine what those before refined [default: all]
     #[arg(long, value_name = "CELLS", value_parser = cells)]
     pub select: Option<CellsName>,
     /// With --select curvature: edges that turn less are flat, in degrees

@@ -176,7 +176,7 @@ def row(level, name, points, tets):
 def at_level(binary, mesh, level, angle, threads, repeat, missing, out):
     """The rows of a level. All improvers run in turn, `repeat` times, so that a machine that is busy meanwhile is so for all."""
     common = ("--steps", level, "--feature-angle", angle)
-    subdivide(binary, mesh, out, "--scheme", "red", *common, threads=threads)
+    subdivide(binary, mesh, out, "--scheme", "red", "--optimise", "paper", *common, threads=threads)
     red = read_vtu(out)
     peers = [("gmsh", "red + Gmsh's Netgen optimiser", improve_with_gmsh)]
     peers += [("mmgpy", "red + mmg3d -nosurf -optim", improve_with_mmg)]

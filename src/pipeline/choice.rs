@@ -30,7 +30,7 @@ impl Cells {
         let mut chosen = vec![matches!(self, Self::All); mesh.tets().len()];
         match self {
             Self::All => {}
-            // A cell of the list and all it became have been refined in every step so far.
+            // What was refined in every step so far: the cells of the list, and what was drawn in with them.
             Self::Listed(_) if step > 1 => {
                 chosen = mesh.levels().iter().map(|&level| usize::from(level) + 1 >= step).collect();
             }
