@@ -184,7 +184,7 @@ fn what_the_format_reserves_is_refused_with_what_to_use() {
         ("[solver]\nmethod = \"amg-cg\"", "\"cg\""),
         ("[analysis]\nelement = \"tet10\"", "\"tet4\""),
         ("[refine]\nboundary = \"fixed-trisection\"", "\"fixed\""),
-        ("[units]", "units"),
+        ("[refine]\nengine = \"x\"", "engine"),
         ("[mesh]\nfile = \"a\"\nmidside = \"curved\"", "\"straight\""),
         ("[mesh.box]\nsize = [1, 1, 1]\ncells = [1, 1, 1]\nelement = \"hex\"", "\"tet\""),
     ] {
