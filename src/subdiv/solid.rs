@@ -1,7 +1,8 @@
 //! The mesh while it is being changed: cells with their incidence lists, the surface, the creases.
 //!
 //! Only vertex-to-cell lists are kept; everything else (rings of edges, cells at a face) is found from them. Slots of
-//! removed cells are used again. Vertices are only ever added, so their numbers stay.
+//! removed cells are used again. Vertices keep their numbers; those that lost their cells are dropped at the very end
+//! (`compact`), if at all.
 
 use super::Stencil;
 use crate::mesh::surface::interfaces;
