@@ -49,11 +49,14 @@ impl Quality {
         now
     }
 
-    /// Splits an edge of the cell, the longest that helps; true if one does. Creases are left to the scheme.
+    /// Splits an edge of the cell, the first that helps, inner ones before those of surfaces, long before short; true if one
+    /// does. Creases are left to the scheme.
     fn split_edges(&mut self, solid: &mut Solid, t: u32) -> bool {
         let mut edges = topology::tet_edges(solid.tet(t));
         let length = |[a, b]: &[u32; 2]| (solid.point(*a) - solid.point(*b)).length_squared();
-        edges.sort_by(|e, f| length(f).total_cmp(&length(e)).then(e.cmp(f)));
+        // Inner edges first: a vertex on a chord of a curved surface is a dent in it.
+        let on_surface = |e: &[u32; 2]| solid.is_surface_edge(*e);
+        edges.sort_by(|e, f| on_surface(e).cmp(&on_surface(f)).then(length(f).total_cmp(&length(e))).then(e.cmp(f)));
         let old = solid.sine(t);
         edges.into_iter().take(EDGES).any(|[a, b]| {
             let split = |solid: &mut Solid| {
