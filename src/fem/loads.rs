@@ -1,15 +1,15 @@
 //! Consistent nodal forces of the loads.
 
-use super::{FemError, Load, LoadKind, Model, quadrature, tet4};
+use super::{FemError, Load, LoadKind, Model, Space, quadrature, tet4};
 use crate::field::{Field, VectorField};
 use crate::mesh::features::face_normal;
 use crate::mesh::{Face, GroupId, TetMesh};
 use glam::DVec3;
 
 /// The force at each node, `f_i = int N_i t dA + int N_i b dV`, summed in the order of the model.
-pub(super) fn nodal_forces(mesh: &TetMesh, model: &Model) -> Result<Vec<DVec3>, FemError> {
-    let mut forces = vec![DVec3::ZERO; mesh.points().len()];
-    model.loads.iter().try_for_each(|load| add(mesh, model, load, &mut forces))?;
+pub(super) fn nodal_forces(space: &Space<'_>, model: &Model) -> Result<Vec<DVec3>, FemError> {
+    let mut forces = vec![DVec3::ZERO; space.points().len()];
+    model.loads.iter().try_for_each(|load| add(space, model, load, &mut forces))?;
     Ok(forces)
 }
 
@@ -17,98 +17,95 @@ pub(super) fn nodal_forces(mesh: &TetMesh, model: &Model) -> Result<Vec<DVec3>, 
 ///
 /// # Errors
 /// [`FemError::NotFiniteAt`] names the point where an expression has no finite value.
-pub fn load_forces(mesh: &TetMesh, model: &Model, load: &Load) -> Result<Vec<DVec3>, FemError> {
-    let mut forces = vec![DVec3::ZERO; mesh.points().len()];
-    add(mesh, model, load, &mut forces)?;
+pub fn load_forces(space: &Space<'_>, model: &Model, load: &Load) -> Result<Vec<DVec3>, FemError> {
+    let mut forces = vec![DVec3::ZERO; space.points().len()];
+    add(space, model, load, &mut forces)?;
     Ok(forces)
 }
 
-fn add(mesh: &TetMesh, model: &Model, load: &Load, forces: &mut [DVec3]) -> Result<(), FemError> {
+fn add(space: &Space<'_>, model: &Model, load: &Load, forces: &mut [DVec3]) -> Result<(), FemError> {
     match &load.kind {
         LoadKind::Traction(group, field) => match field.constant() {
-            Some(t) => add_to_faces(mesh, *group, forces, |normal| 0.5 * normal.length() * t),
+            Some(t) => add_to_faces(space, *group, forces, |normal| 0.5 * normal.length() * t),
             None => {
-                integrate_faces(mesh, *group, forces, |normal, x| Ok(0.5 * normal.length() * vector(field, x, load)?))?;
+                integrate_faces(space, *group, forces, |normal, x| {
+                    Ok(0.5 * normal.length() * vector(field, x, load)?)
+                })?;
             }
         },
         LoadKind::Pressure(group, field) => match field.constant() {
-            Some(p) => add_to_faces(mesh, *group, forces, |normal| -0.5 * p * normal),
-            None => integrate_faces(mesh, *group, forces, |normal, x| Ok(-0.5 * scalar(field, x, load)? * normal))?,
+            Some(p) => add_to_faces(space, *group, forces, |normal| -0.5 * p * normal),
+            None => integrate_faces(space, *group, forces, |normal, x| Ok(-0.5 * scalar(field, x, load)? * normal))?,
         },
         LoadKind::Force(group, force) => {
-            let traction = *force / group_area(mesh, *group);
-            add_to_faces(mesh, *group, forces, |normal| 0.5 * normal.length() * traction);
+            let traction = *force / group_area(space.mesh(), *group);
+            add_to_faces(space, *group, forces, |normal| 0.5 * normal.length() * traction);
         }
         LoadKind::PointForce(x, force) => {
-            let host = host(mesh, *x);
-            for (v, weight) in mesh.tets()[host.cell].into_iter().zip(host.weights) {
-                forces[v as usize] += weight * *force;
-            }
+            let host = host(space.mesh(), *x);
+            let shape = space.shape(host.weights);
+            space.cell(host.cell).zip(shape).for_each(|(v, n)| forces[v as usize] += n * *force);
         }
         LoadKind::BodyForce(field) => match field.constant() {
-            Some(b) => add_to_cells(mesh, forces, |_| b),
-            None => integrate_cells(mesh, forces, |x| vector(field, x, load))?,
+            Some(b) => add_to_cells(space, forces, |_| b),
+            None => integrate_cells(space, forces, |x| vector(field, x, load))?,
         },
         LoadKind::Gravity(acceleration) => {
-            let density = |t: usize| model.materials[mesh.regions()[t].0 as usize].density;
-            add_to_cells(mesh, forces, |t| density(t) * *acceleration);
+            let density = |t: usize| model.materials[space.mesh().regions()[t].0 as usize].density;
+            add_to_cells(space, forces, |t| density(t) * *acceleration);
         }
     }
     Ok(())
 }
 
-/// Gives each corner of a face a third of the face's force, which is a function of its normal (twice the area long).
-fn add_to_faces(mesh: &TetMesh, group: GroupId, forces: &mut [DVec3], force: impl Fn(DVec3) -> DVec3) {
+/// Gives each node of a face its share of the face's force, which is a function of its normal (twice the area long).
+fn add_to_faces(space: &Space<'_>, group: GroupId, forces: &mut [DVec3], force: impl Fn(DVec3) -> DVec3) {
+    let (mesh, shares) = (space.mesh(), space.face_means());
     for face in mesh.group_faces(group) {
-        let third = force(face_normal(mesh.points(), face.vertices)) / 3.0;
-        for v in face.vertices {
-            forces[v as usize] += third;
-        }
+        let force = force(face_normal(mesh.points(), face.vertices));
+        space.face(face).zip(shares).for_each(|(v, share)| forces[v as usize] += share * force);
     }
 }
 
 /// Integrates `N_i` times a force, a function of the face's normal and of the place.
 fn integrate_faces(
-    mesh: &TetMesh,
+    space: &Space<'_>,
     group: GroupId,
     forces: &mut [DVec3],
     force: impl Fn(DVec3, DVec3) -> Result<DVec3, FemError>,
 ) -> Result<(), FemError> {
+    let mesh = space.mesh();
     for face in mesh.group_faces(group) {
         let normal = face_normal(mesh.points(), face.vertices);
-        for (shape, weight, x) in quadrature::triangle(corners(mesh, face)) {
+        for (l, weight, x) in quadrature::triangle(corners(mesh, face)) {
             let force = weight * force(normal, x)?;
-            for (v, n) in face.vertices.into_iter().zip(shape) {
-                forces[v as usize] += n * force;
-            }
+            space.face(face).zip(space.face_shape(l)).for_each(|(v, n)| forces[v as usize] += n * force);
         }
     }
     Ok(())
 }
 
-/// Gives each vertex of a cell a quarter of its force; `density` is its force per volume.
-fn add_to_cells(mesh: &TetMesh, forces: &mut [DVec3], density: impl Fn(usize) -> DVec3) {
-    for (t, tet) in mesh.tets().iter().enumerate() {
-        let quarter = 0.25 * mesh.cell_volume(t) * density(t);
-        for &v in tet {
-            forces[v as usize] += quarter;
-        }
+/// Gives each node of a cell its share of the cell's force; `density` is its force per volume.
+fn add_to_cells(space: &Space<'_>, forces: &mut [DVec3], density: impl Fn(usize) -> DVec3) {
+    let (mesh, shares) = (space.mesh(), space.cell_means());
+    for t in 0..mesh.tets().len() {
+        let force = mesh.cell_volume(t) * density(t);
+        space.cell(t).zip(shares).for_each(|(v, share)| forces[v as usize] += share * force);
     }
 }
 
 /// Integrates `N_i` times a force per volume.
 fn integrate_cells(
-    mesh: &TetMesh,
+    space: &Space<'_>,
     forces: &mut [DVec3],
     density: impl Fn(DVec3) -> Result<DVec3, FemError>,
 ) -> Result<(), FemError> {
-    for (t, tet) in mesh.tets().iter().enumerate() {
+    let mesh = space.mesh();
+    for t in 0..mesh.tets().len() {
         let volume = mesh.cell_volume(t);
-        for (shape, weight, x) in quadrature::tetrahedron(mesh.cell_points(t)) {
+        for (l, weight, x) in quadrature::tetrahedron(mesh.cell_points(t)) {
             let force = weight * volume * density(x)?;
-            for (&v, n) in tet.iter().zip(shape) {
-                forces[v as usize] += n * force;
-            }
+            space.cell(t).zip(space.shape(l)).for_each(|(v, n)| forces[v as usize] += n * force);
         }
     }
     Ok(())

@@ -1,20 +1,21 @@
 //! Elastic foundations: force per area `-k u` on the faces of a support, k diagonal.
 
 use super::block_matrix::BlockMatrix;
-use super::{Model, Support};
+use super::{Model, Space, Support, quadrature};
 use crate::mesh::features::face_normal;
-use crate::mesh::{Face, TetMesh};
 use glam::{DMat3, DVec3};
 
-/// Adds `int N_i N_j k dA` to the stiffness; `int N_i N_j dA` is A / 12, twice that for i = j.
-pub(super) fn add(mesh: &TetMesh, model: &Model, stiffness: &mut BlockMatrix) {
+/// Adds `int N_i N_j k dA` to the stiffness.
+pub(super) fn add(space: &Space<'_>, model: &Model, stiffness: &mut BlockMatrix) {
+    let mesh = space.mesh();
+    let products = shape_products(space);
     for support in model.supports.iter().filter(|s| s.stiffness != DVec3::ZERO) {
         for face in mesh.group_faces(support.group) {
-            let twelfth = DMat3::from_diagonal(area(mesh, face) / 12.0 * support.stiffness);
-            for i in face.vertices {
-                for j in face.vertices {
+            let area = 0.5 * face_normal(mesh.points(), face.vertices).length();
+            for (i, row) in space.face(face).zip(products) {
+                for (j, product) in space.face(face).zip(row) {
                     if let Some(block) = stiffness.block_mut(i, j) {
-                        *block += if i == j { 2.0 * twelfth } else { twelfth };
+                        *block += DMat3::from_diagonal(area * product * support.stiffness);
                     }
                 }
             }
@@ -22,19 +23,29 @@ pub(super) fn add(mesh: &TetMesh, model: &Model, stiffness: &mut BlockMatrix) {
     }
 }
 
+/// Means of `N_i N_j` over a face.
+fn shape_products(space: &Space<'_>) -> [[f64; 6]; 6] {
+    let mut products = [[0.0; 6]; 6];
+    for (l, weight, _) in quadrature::triangle([DVec3::ZERO; 3]) {
+        let shape = space.face_shape(l);
+        for (row, a) in products.iter_mut().zip(shape) {
+            row.iter_mut().zip(shape).for_each(|(product, b)| *product += weight * (a * b));
+        }
+    }
+    products
+}
+
 /// The force that the foundation of a support exerts on the solid.
-pub(super) fn reaction(mesh: &TetMesh, support: &Support, u: &[DVec3]) -> DVec3 {
+pub(super) fn reaction(space: &Space<'_>, support: &Support, u: &[DVec3]) -> DVec3 {
     if support.stiffness == DVec3::ZERO {
         return DVec3::ZERO;
     }
+    let (mesh, means) = (space.mesh(), space.face_means());
     let mut force = DVec3::ZERO;
     for face in mesh.group_faces(support.group) {
-        let sum: DVec3 = face.vertices.iter().map(|&v| u[v as usize]).sum();
-        force -= area(mesh, face) / 3.0 * support.stiffness * sum;
+        let area = 0.5 * face_normal(mesh.points(), face.vertices).length();
+        let mean: DVec3 = space.face(face).zip(means).map(|(v, n)| n * u[v as usize]).sum();
+        force -= area * support.stiffness * mean;
     }
     force
-}
-
-fn area(mesh: &TetMesh, face: &Face) -> f64 {
-    0.5 * face_normal(mesh.points(), face.vertices).length()
 }

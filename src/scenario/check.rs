@@ -40,6 +40,7 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
         expectations: wanted::expectations(raw.expect.unwrap_or_default(), &quantities)?,
         quantities,
         refine: refine(raw.refine.map(|t| t.value), &mut warnings)?,
+        element: raw.analysis.and_then(|t| t.value.element).unwrap_or_default(),
         adapt: adapt(raw.adapt.map(|t| t.value).unwrap_or_default())?,
         solver: solver(raw.solver.map(|t| t.value).unwrap_or_default())?,
         output: output(&raw.output.map(|t| t.value).unwrap_or_default()),

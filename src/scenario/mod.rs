@@ -23,7 +23,7 @@ pub use shapes::Shape;
 pub use wanted::{Cells, Exact, Expectation, Extent, Probe, Quantity, QuantityKind, Tolerance};
 
 use crate::adapt::options::{Estimator, Marking};
-use crate::fem::options::SolverOptions;
+use crate::fem::options::{Element, SolverOptions};
 use crate::output::options::{Compression, Published, Units};
 use crate::subdiv::options::Options;
 use serde::Deserialize as _;
@@ -62,6 +62,8 @@ pub struct Scenario {
     pub expectations: Vec<Expectation>,
     /// `[refine]`.
     pub refine: Refine,
+    /// `analysis.element`.
+    pub element: Element,
     /// `[adapt]`.
     pub adapt: Adapt,
     /// `[solver]`.
