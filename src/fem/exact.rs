@@ -3,7 +3,6 @@
 use super::options::ExactSolution;
 use super::{Material, Model, Solution, Space, SymTensor, System};
 use crate::mesh::GroupId;
-use crate::mesh::features::face_normal;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -73,10 +72,9 @@ impl Exact {
         let mesh = space.mesh();
         if self.solution == ExactSolution::SmoothCube {
             let of_cell = |t: usize| {
-                let (x, volume) = (mesh.cell_points(t), mesh.cell_volume(t));
                 let mut forces = [DVec3::ZERO; 10];
                 for (l, share) in tet_rule() {
-                    let force = share * volume * self.body_force(point(&x, &l));
+                    let force = share * space.frame(t, l).0 * self.body_force(space.position(t, l));
                     forces.iter_mut().zip(space.shape(l)).for_each(|(sum, n)| *sum += n * force);
                 }
                 forces
@@ -87,10 +85,8 @@ impl Exact {
             }
         }
         for face in self.tractions.iter().flat_map(|g| mesh.group_faces(*g)) {
-            let x = face.vertices.map(|v| mesh.points()[v as usize]);
-            let area = 0.5 * face_normal(mesh.points(), face.vertices);
-            for (l, share) in triangle_rule() {
-                let force = share * traction(self.stress(point(&x, &l)), area);
+            for (l, x, area) in space.face_rule(face) {
+                let force = traction(self.stress(x), area);
                 space.face(face).zip(space.face_shape(l)).for_each(|(v, n)| system.loads[v as usize] += n * force);
             }
         }
@@ -102,10 +98,10 @@ impl Exact {
         let mesh = space.mesh();
         let of_cell = |t: usize| {
             let material = &model.materials[mesh.regions()[t].0 as usize];
-            let (x, volume) = (mesh.cell_points(t), mesh.cell_volume(t));
             let mut squares = [0.0; 2];
             for (weights, share) in tet_rule() {
-                let (exact, computed) = (self.stress(point(&x, &weights)), solution.stress.at(t, weights));
+                let exact = self.stress(space.position(t, weights));
+                let (volume, computed) = (space.frame(t, weights).0, solution.stress.at(t, weights));
                 let error = std::array::from_fn(|i| exact[i] - computed[i]);
                 squares[0] += share * volume * material.compliance_energy(error);
                 squares[1] += share * volume * material.compliance_energy(exact);
@@ -159,10 +155,6 @@ fn traction(s: SymTensor, n: DVec3) -> DVec3 {
         s[3] * n.x + s[1] * n.y + s[4] * n.z,
         s[5] * n.x + s[4] * n.y + s[2] * n.z,
     )
-}
-
-fn point<const N: usize>(x: &[DVec3; N], weights: &[f64; N]) -> DVec3 {
-    x.iter().zip(weights).map(|(x, w)| *w * *x).sum()
 }
 
 /// Barycentric points and weights (of sum 1) on a triangle, exact up to degree 6: a square's rule with one side collapsed.

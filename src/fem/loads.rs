@@ -1,9 +1,8 @@
 //! Consistent nodal forces of the loads.
 
-use super::{FemError, Load, LoadKind, Model, Space, quadrature, tet4};
+use super::{FemError, Load, LoadKind, Model, Space, tet4};
 use crate::field::{Field, VectorField};
-use crate::mesh::features::face_normal;
-use crate::mesh::{Face, GroupId, TetMesh};
+use crate::mesh::{GroupId, TetMesh};
 use glam::DVec3;
 
 /// The force at each node, `f_i = int N_i t dA + int N_i b dV`, summed in the order of the model.
@@ -25,98 +24,64 @@ pub fn load_forces(space: &Space<'_>, model: &Model, load: &Load) -> Result<Vec<
 
 fn add(space: &Space<'_>, model: &Model, load: &Load, forces: &mut [DVec3]) -> Result<(), FemError> {
     match &load.kind {
-        LoadKind::Traction(group, field) => match field.constant() {
-            Some(t) => add_to_faces(space, *group, forces, |normal| 0.5 * normal.length() * t),
-            None => {
-                integrate_faces(space, *group, forces, |normal, x| {
-                    Ok(0.5 * normal.length() * vector(field, x, load)?)
-                })?;
-            }
-        },
-        LoadKind::Pressure(group, field) => match field.constant() {
-            Some(p) => add_to_faces(space, *group, forces, |normal| -0.5 * p * normal),
-            None => integrate_faces(space, *group, forces, |normal, x| Ok(-0.5 * scalar(field, x, load)? * normal))?,
-        },
+        LoadKind::Traction(group, field) => {
+            integrate_faces(space, *group, forces, |area, x| Ok(area.length() * vector(field, x, load)?))?;
+        }
+        LoadKind::Pressure(group, field) => {
+            integrate_faces(space, *group, forces, |area, x| Ok(-scalar(field, x, load)? * area))?;
+        }
         LoadKind::Force(group, force) => {
-            let traction = *force / group_area(space.mesh(), *group);
-            add_to_faces(space, *group, forces, |normal| 0.5 * normal.length() * traction);
+            let traction = *force / group_area(space, *group);
+            integrate_faces(space, *group, forces, |area, _| Ok(area.length() * traction))?;
         }
         LoadKind::PointForce(x, force) => {
             let host = host(space.mesh(), *x);
             let shape = space.shape(host.weights);
             space.cell(host.cell).zip(shape).for_each(|(v, n)| forces[v as usize] += n * *force);
         }
-        LoadKind::BodyForce(field) => match field.constant() {
-            Some(b) => add_to_cells(space, forces, |_| b),
-            None => integrate_cells(space, forces, |x| vector(field, x, load))?,
-        },
+        LoadKind::BodyForce(field) => integrate_cells(space, forces, |_, x| vector(field, x, load))?,
         LoadKind::Gravity(acceleration) => {
             let density = |t: usize| model.materials[space.mesh().regions()[t].0 as usize].density;
-            add_to_cells(space, forces, |t| density(t) * *acceleration);
+            integrate_cells(space, forces, |t, _| Ok(density(t) * *acceleration))?;
         }
     }
     Ok(())
 }
 
-/// Gives each node of a face its share of the face's force, which is a function of its normal (twice the area long).
-fn add_to_faces(space: &Space<'_>, group: GroupId, forces: &mut [DVec3], force: impl Fn(DVec3) -> DVec3) {
-    let (mesh, shares) = (space.mesh(), space.face_means());
-    for face in mesh.group_faces(group) {
-        let force = force(face_normal(mesh.points(), face.vertices));
-        space.face(face).zip(shares).for_each(|(v, share)| forces[v as usize] += share * force);
-    }
-}
-
-/// Integrates `N_i` times a force, a function of the face's normal and of the place.
+/// Integrates `N_i` times a force, a function of the outward area vector and of the place.
 fn integrate_faces(
     space: &Space<'_>,
     group: GroupId,
     forces: &mut [DVec3],
     force: impl Fn(DVec3, DVec3) -> Result<DVec3, FemError>,
 ) -> Result<(), FemError> {
-    let mesh = space.mesh();
-    for face in mesh.group_faces(group) {
-        let normal = face_normal(mesh.points(), face.vertices);
-        for (l, weight, x) in quadrature::triangle(corners(mesh, face)) {
-            let force = weight * force(normal, x)?;
+    for face in space.mesh().group_faces(group) {
+        for (l, x, area) in space.face_rule(face) {
+            let force = force(area, x)?;
             space.face(face).zip(space.face_shape(l)).for_each(|(v, n)| forces[v as usize] += n * force);
         }
     }
     Ok(())
 }
 
-/// Gives each node of a cell its share of the cell's force; `density` is its force per volume.
-fn add_to_cells(space: &Space<'_>, forces: &mut [DVec3], density: impl Fn(usize) -> DVec3) {
-    let (mesh, shares) = (space.mesh(), space.cell_means());
-    for t in 0..mesh.tets().len() {
-        let force = mesh.cell_volume(t) * density(t);
-        space.cell(t).zip(shares).for_each(|(v, share)| forces[v as usize] += share * force);
-    }
-}
-
-/// Integrates `N_i` times a force per volume.
+/// Integrates `N_i` times a force per volume, a function of the cell and of the place.
 fn integrate_cells(
     space: &Space<'_>,
     forces: &mut [DVec3],
-    density: impl Fn(DVec3) -> Result<DVec3, FemError>,
+    density: impl Fn(usize, DVec3) -> Result<DVec3, FemError>,
 ) -> Result<(), FemError> {
-    let mesh = space.mesh();
-    for t in 0..mesh.tets().len() {
-        let volume = mesh.cell_volume(t);
-        for (l, weight, x) in quadrature::tetrahedron(mesh.cell_points(t)) {
-            let force = weight * volume * density(x)?;
+    for t in 0..space.mesh().tets().len() {
+        for (l, x, volume) in space.cell_rule(t) {
+            let force = volume * density(t, x)?;
             space.cell(t).zip(space.shape(l)).for_each(|(v, n)| forces[v as usize] += n * force);
         }
     }
     Ok(())
 }
 
-fn corners(mesh: &TetMesh, face: &Face) -> [DVec3; 3] {
-    face.vertices.map(|v| mesh.points()[v as usize])
-}
-
-fn group_area(mesh: &TetMesh, group: GroupId) -> f64 {
-    mesh.group_faces(group).map(|f| 0.5 * face_normal(mesh.points(), f.vertices).length()).sum()
+fn group_area(space: &Space<'_>, group: GroupId) -> f64 {
+    let faces = space.mesh().group_faces(group);
+    faces.flat_map(|f| space.face_rule(f)).map(|(_, _, area)| area.length()).sum()
 }
 
 /// The value of a load's field.

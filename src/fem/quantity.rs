@@ -3,7 +3,6 @@
 use super::clip::{self, Piece, WHOLE, Weights};
 use super::options::{Field, Total};
 use super::{Model, Solution, Space, SymTensor, von_mises};
-use crate::mesh::features::face_normal;
 use crate::mesh::locate::Located;
 use crate::mesh::{GroupId, RegionId, TetMesh};
 use glam::DVec3;
@@ -94,9 +93,6 @@ pub struct State<'a> {
 /// Corners of the quadrature rule of degree 2 on tetrahedra: one coordinate, and the three others.
 const TET_RULE: [f64; 2] = [0.585_410_196_624_968_5, 0.138_196_601_125_010_5];
 
-/// Those of the rule of degree 2 on triangles.
-const TRIANGLE_RULE: [f64; 2] = [2.0 / 3.0, 1.0 / 6.0];
-
 impl State<'_> {
     /// The number that a quantity is; `locate` finds the cell of a point. NaN where an average has nothing to average.
     #[must_use]
@@ -149,15 +145,13 @@ impl State<'_> {
     }
 
     fn face_mean(&self, field: Field, group: GroupId) -> f64 {
-        let (mesh, mut sum, mut area) = (self.space.mesh(), 0.0, 0.0);
-        for face in mesh.group_faces(group) {
-            let weight = face_normal(mesh.points(), face.vertices).length();
-            let values = (0..3).map(|i| {
-                let shape = self.space.face_shape(corner_weights(TRIANGLE_RULE, i));
-                self.between(field, self.space.face(face).zip(shape))
-            });
-            sum += weight * values.sum::<f64>() / 3.0;
-            area += weight;
+        let (mut sum, mut area) = (0.0, 0.0);
+        for face in self.space.mesh().group_faces(group) {
+            for (l, _, weight) in self.space.face_rule(face) {
+                let weight = weight.length();
+                sum += weight * self.between(field, self.space.face(face).zip(self.space.face_shape(l)));
+                area += weight;
+            }
         }
         sum / area
     }
@@ -215,7 +209,7 @@ impl State<'_> {
 }
 
 /// The `i`-th point of a rule with one point a corner.
-fn corner_weights<const N: usize>([own, other]: [f64; 2], i: usize) -> [f64; N] {
+fn corner_weights([own, other]: [f64; 2], i: usize) -> Weights {
     std::array::from_fn(|j| if i == j { own } else { other })
 }
 

@@ -32,7 +32,7 @@ pub fn recover(space: &Space<'_>, model: &Model, system: &System, solved: &Solve
     }
     let has_springs = model.supports.iter().any(|s| s.stiffness != DVec3::ZERO);
     Solution {
-        strain_energy: if has_springs { stress.energies(space.mesh(), model).sum() } else { 0.5 * dot(u, &internal) },
+        strain_energy: if has_springs { stress.energies(space, model).sum() } else { 0.5 * dot(u, &internal) },
         stress,
         reactions,
         displacement: u.clone(),

@@ -1,21 +1,18 @@
 //! Elastic foundations: force per area `-k u` on the faces of a support, k diagonal.
 
 use super::block_matrix::BlockMatrix;
-use super::{Model, Space, Support, quadrature};
-use crate::mesh::features::face_normal;
+use super::{Model, Space, Support};
+use crate::mesh::Face;
 use glam::{DMat3, DVec3};
 
 /// Adds `int N_i N_j k dA` to the stiffness.
 pub(super) fn add(space: &Space<'_>, model: &Model, stiffness: &mut BlockMatrix) {
-    let mesh = space.mesh();
-    let products = shape_products(space);
     for support in model.supports.iter().filter(|s| s.stiffness != DVec3::ZERO) {
-        for face in mesh.group_faces(support.group) {
-            let area = 0.5 * face_normal(mesh.points(), face.vertices).length();
-            for (i, row) in space.face(face).zip(products) {
+        for face in space.mesh().group_faces(support.group) {
+            for (i, row) in space.face(face).zip(shape_products(space, face)) {
                 for (j, product) in space.face(face).zip(row) {
                     if let Some(block) = stiffness.block_mut(i, j) {
-                        *block += DMat3::from_diagonal(area * product * support.stiffness);
+                        *block += DMat3::from_diagonal(product * support.stiffness);
                     }
                 }
             }
@@ -23,11 +20,11 @@ pub(super) fn add(space: &Space<'_>, model: &Model, stiffness: &mut BlockMatrix)
     }
 }
 
-/// Means of `N_i N_j` over a face.
-fn shape_products(space: &Space<'_>) -> [[f64; 6]; 6] {
+/// Integrals of `N_i N_j` over a face.
+fn shape_products(space: &Space<'_>, face: &Face) -> [[f64; 6]; 6] {
     let mut products = [[0.0; 6]; 6];
-    for (l, weight, _) in quadrature::triangle([DVec3::ZERO; 3]) {
-        let shape = space.face_shape(l);
+    for (l, _, area) in space.face_rule(face) {
+        let (shape, weight) = (space.face_shape(l), area.length());
         for (row, a) in products.iter_mut().zip(shape) {
             row.iter_mut().zip(shape).for_each(|(product, b)| *product += weight * (a * b));
         }
@@ -40,12 +37,12 @@ pub(super) fn reaction(space: &Space<'_>, support: &Support, u: &[DVec3]) -> DVe
     if support.stiffness == DVec3::ZERO {
         return DVec3::ZERO;
     }
-    let (mesh, means) = (space.mesh(), space.face_means());
     let mut force = DVec3::ZERO;
-    for face in mesh.group_faces(support.group) {
-        let area = 0.5 * face_normal(mesh.points(), face.vertices).length();
-        let mean: DVec3 = space.face(face).zip(means).map(|(v, n)| n * u[v as usize]).sum();
-        force -= area * support.stiffness * mean;
+    for face in space.mesh().group_faces(support.group) {
+        for (l, _, area) in space.face_rule(face) {
+            let moved: DVec3 = space.face(face).zip(space.face_shape(l)).map(|(v, n)| n * u[v as usize]).sum();
+            force -= area.length() * support.stiffness * moved;
+        }
     }
     force
 }

@@ -1,9 +1,29 @@
 //! The stress of the elements: a polynomial in each cell, with jumps between them.
 
+use super::options::Element;
 use super::{Model, Space, SymTensor, tet4, tet10};
-use crate::mesh::TetMesh;
 use glam::DVec3;
 use rayon::prelude::*;
+
+/// The vertices of a cell.
+const CORNERS: [[f64; 4]; 4] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+
+/// Barycentric coordinates of the quadrature points of degree two: one of these, three of the other.
+const GAUSS: [f64; 2] = [0.585_410_196_624_968_5, 0.138_196_601_125_010_5];
+
+/// The quadrature points of degree two. In cells with curved edges, where the stress is no polynomial, that of the element
+/// is taken there.
+const SAMPLE: [[f64; 4]; 4] = {
+    let [a, b] = GAUSS;
+    [[a, b, b, b], [b, a, b, b], [b, b, a, b], [b, b, b, a]]
+};
+
+/// The values at the vertices of the linear function through four values at [`SAMPLE`].
+fn through(values: [SymTensor; 4]) -> [SymTensor; 4] {
+    let [own, other] = GAUSS;
+    let sum: SymTensor = std::array::from_fn(|i| values.iter().map(|s| s[i]).sum());
+    values.map(|s| std::array::from_fn(|i| (s[i] - other * sum[i]) / (own - other)))
+}
 
 /// Stress in each cell: constant for four-node cells, linear for ten-node cells.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,19 +50,18 @@ impl Stress {
     #[must_use]
     pub(super) fn of(space: &Space<'_>, model: &Model, u: &[DVec3]) -> Self {
         let mesh = space.mesh();
-        let linear = !space.midside().is_empty();
+        let linear = space.element() == Element::Tet10;
         let material = |t: usize| &model.materials[mesh.regions()[t].0 as usize];
         let cells = (0..mesh.tets().len()).into_par_iter();
         let values = if linear {
             cells
                 .flat_map_iter(|t| {
-                    let (_, g) = tet4::gradients(mesh.cell_points(t));
-                    let stress = move |k: usize| {
-                        let corner = std::array::from_fn(|i| f64::from(u8::from(i == k)));
+                    let at = |l| {
                         let moves = space.cell(t).map(|v| u[v as usize]);
-                        material(t).stress(tet4::strain(tet10::gradients(g, corner).into_iter().zip(moves)))
+                        let gradients = tet10::gradients(space.frame(t, l).1, l);
+                        material(t).stress(tet4::strain(gradients.into_iter().zip(moves)))
                     };
-                    (0..4).map(stress)
+                    if space.is_curved(t) { through(SAMPLE.map(at)) } else { CORNERS.map(at) }
                 })
                 .collect()
         } else {
@@ -91,17 +110,15 @@ impl Stress {
     }
 
     /// Integral of half stress times strain over each cell.
-    pub fn energies(&self, mesh: &TetMesh, model: &Model) -> impl Iterator<Item = f64> {
-        (0..self.cells()).map(|t| {
+    pub fn energies(&self, space: &Space<'_>, model: &Model) -> impl Iterator<Item = f64> {
+        let mesh = space.mesh();
+        (0..self.cells()).map(move |t| {
             let density = |s| 0.5 * model.materials[mesh.regions()[t].0 as usize].compliance_energy(s);
-            if !self.linear {
-                return mesh.cell_volume(t) * density(self.values[t]);
+            if self.linear {
+                space.cell_rule(t).into_iter().map(|(l, _, volume)| volume * density(self.at(t, l))).sum()
+            } else {
+                mesh.cell_volume(t) * density(self.values[t])
             }
-            // The mean of a quadratic form of a linear field: (sum_i q(s_i) + q(sum_i s_i)) / 20.
-            let corners = &self.values[4 * t..4 * t + 4];
-            let sum = std::array::from_fn(|i| corners.iter().map(|s| s[i]).sum());
-            let squares: f64 = corners.iter().map(|s| density(*s)).sum();
-            mesh.cell_volume(t) / 20.0 * (squares + density(sum))
         })
     }
 }

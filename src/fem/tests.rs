@@ -4,7 +4,8 @@ use super::numbering::{Dofs, Prescribed};
 use super::options::{Element, Method, SolverOptions};
 use super::*;
 use crate::mesh::generate::box_tets;
-use crate::mesh::{TetMesh, TetMeshParts, features};
+use crate::mesh::midside::Midside;
+use crate::mesh::{TetMesh, TetMeshParts, features, topology};
 use crate::subdiv::{
     self,
     options::{Mode, Objective, Optimise, Options, Scheme},
@@ -50,7 +51,7 @@ fn patch_test_is_exact_on_a_distorted_mesh() {
 
 fn linear_patch_test(element: Element) {
     let mesh = distorted(box_tets([1.0, 2.0, 1.5], [4, 5, 3]).unwrap(), 0.07);
-    let space = Space::new(&mesh, element);
+    let space = Space::new(&mesh, element, &[]);
     let support = Support::new("all", GroupId(0), [Some(0.0); 3]);
     let model = Model { materials: vec![SOFT], supports: vec![support], loads: vec![] };
     let mut system = assemble(&space, &model).unwrap();
@@ -94,7 +95,7 @@ fn quadratic_displacements_are_exact_for_ten_nodes() {
     let loads = vec![Load { name: "balance".to_owned(), kind: LoadKind::BodyForce(force.into()) }];
     let model = Model { materials: vec![SOFT], supports: vec![support], loads };
     for (element, allowed) in [(Element::Tet10, 0.0..1e-12), (Element::Tet4, 1e-3..1.0)] {
-        let space = Space::new(&mesh, element);
+        let space = Space::new(&mesh, element, &[]);
         let mut system = assemble(&space, &model).unwrap();
         prescribe_boundary(&space, &mut system, exact);
         let solution = recover(&space, &model, &system, &solve(&system, &exactly()).unwrap());
@@ -109,7 +110,7 @@ fn quadratic_displacements_are_exact_for_ten_nodes() {
                     assert!(far.fold(0.0, f64::max) < 1e-10, "stress at {x}");
                 }
             }
-            let energy: f64 = solution.stress.energies(&mesh, &model).sum();
+            let energy: f64 = solution.stress.energies(&space, &model).sum();
             assert!((energy - solution.strain_energy).abs() < 1e-12 * energy);
         }
     }
@@ -119,7 +120,7 @@ fn quadratic_displacements_are_exact_for_ten_nodes() {
 fn rigid_motions_have_no_energy_and_need_no_force() {
     let mesh = distorted(box_tets([1.0; 3], [3; 3]).unwrap(), 0.08);
     for element in BOTH {
-        let space = Space::new(&mesh, element);
+        let space = Space::new(&mesh, element, &[]);
         let system = assemble(&space, &Model { materials: vec![SOFT], supports: vec![], loads: vec![] }).unwrap();
         for k in 0..6 {
             let motion = |x: &DVec3| if k < 3 { DVec3::AXES[k] } else { DVec3::AXES[k - 3].cross(*x) };
@@ -131,6 +132,87 @@ fn rigid_motions_have_no_energy_and_need_no_force() {
     }
 }
 
+/// Curved edges inside the body, whose surface stays flat, so that what is exact on it is still.
+fn bent(mesh: &TetMesh) -> Vec<Midside> {
+    let outer: std::collections::BTreeSet<u32> = mesh.faces().iter().flat_map(|f| f.vertices).collect();
+    let inner = topology::edges(mesh.tets()).into_iter().filter(|e| e.iter().any(|v| !outer.contains(v)));
+    let place = |edge: [u32; 2]| {
+        let [p, q] = edge.map(|v| mesh.points()[v as usize]);
+        let wobble = |k: f64| (k * f64::from(edge[0] + 7 * edge[1])).sin();
+        Midside {
+            edge,
+            position: p.midpoint(q) + 0.05 * p.distance(q) * DVec3::new(wobble(1.1), wobble(2.3), wobble(3.7)),
+        }
+    };
+    inner.map(place).collect()
+}
+
+/// Isoparametric elements reproduce rigid motions and linear displacements on whatever edges; the body keeps its volume.
+#[test]
+fn curved_elements_pass_the_patch_test() {
+    let mesh = box_tets([1.0, 2.0, 1.5], [3; 3]).unwrap();
+    let midsides = bent(&mesh);
+    let space = Space::new(&mesh, Element::Tet10, &midsides);
+    let curved = (0..mesh.tets().len()).filter(|&t| space.is_curved(t)).count();
+    let volume: f64 = (0..mesh.tets().len()).flat_map(|t| space.cell_rule(t)).map(|(_, _, w)| w).sum();
+    assert!(2 * curved > mesh.tets().len() && (volume - 3.0).abs() < 1e-13, "{curved} {volume}");
+    let support = Support::new("all", GroupId(0), [Some(0.0); 3]);
+    let model = Model { materials: vec![SOFT], supports: vec![support], loads: vec![] };
+    let mut system = assemble(&space, &model).unwrap();
+    let gradient = DMat3::from_cols_array(&[0.3, -0.2, 0.5, 0.1, 0.4, -0.6, 0.7, 0.2, -0.1]);
+    prescribe_boundary(&space, &mut system, |x| gradient * x);
+    let solution = recover(&space, &model, &system, &solve(&system, &exactly()).unwrap());
+    for (u, x) in solution.displacement.iter().zip(space.points()) {
+        assert!((*u - gradient * *x).length() < 1e-12, "{u} at {x}");
+    }
+    let e = (gradient + gradient.transpose()) * 0.5;
+    let stress = SOFT.stress([e.x_axis.x, e.y_axis.y, e.z_axis.z, e.x_axis.y, e.y_axis.z, e.x_axis.z]);
+    assert!(solution.stress.means().iter().all(|s| (0..6).all(|i| (s[i] - stress[i]).abs() < 1e-10)));
+    let energy: f64 = solution.stress.energies(&space, &model).sum();
+    assert!((energy - solution.strain_energy).abs() < 1e-12 * energy);
+}
+
+/// A hollow sphere whose edges follow the sphere, against the same with straight edges: the surface's loads and areas, and
+/// with them the solution, come an order closer.
+#[test]
+fn curved_edges_pay_on_a_sphere() {
+    let mesh = crate::mesh::generate::sphere_shell([1.0, 2.0], [4, 3]).unwrap();
+    let on_sphere = |edge: [u32; 2]| {
+        let [p, q] = edge.map(|v| mesh.points()[v as usize]);
+        let radius = 0.5 * (p.length() + q.length());
+        let round = (p.length() - q.length()).abs() < 1e-9;
+        round.then(|| Midside { edge, position: radius * p.midpoint(q).normalize() })
+    };
+    let midsides: Vec<Midside> = topology::edges(mesh.tets()).into_iter().filter_map(on_sphere).collect();
+    let roller = |axis: usize| {
+        let mut displacement = [None; 3];
+        displacement[axis] = Some(0.0);
+        let name = ["x-min", "y-min", "z-min"][axis];
+        Support::new(name, mesh.group(name).unwrap(), displacement)
+    };
+    let inner = mesh.group("inner").unwrap();
+    let load = Load { name: "pressure".to_owned(), kind: LoadKind::Pressure(inner, Field::from(1.0)) };
+    let unit = Material { youngs_modulus: 1.0, poissons_ratio: 0.3, density: 0.0 };
+    let model = Model { materials: vec![unit], supports: (0..3).map(roller).collect(), loads: vec![load] };
+    let exact = Exact { solution: options::ExactSolution::LameSphere, material: unit, tractions: None };
+    let [straight, curved] = [&[], &midsides[..]].map(|midsides| {
+        let space = Space::new(&mesh, Element::Tet10, midsides);
+        let area: f64 = mesh.group_faces(inner).flat_map(|f| space.face_rule(f)).map(|(_, _, a)| a.length()).sum();
+        let system = assemble(&space, &model).unwrap();
+        let solution = recover(&space, &model, &system, &solve(&system, &exactly()).unwrap());
+        // The pressure of 1 does work on the displacement of 0.8 of the inner surface.
+        let energy = 0.5 * 0.8 * 0.5 * PI;
+        [
+            exact.error(&space, &model, &solution).relative,
+            (solution.strain_energy / energy - 1.0).abs(),
+            (area - 0.5 * PI).abs(),
+        ]
+    });
+    for (measure, less) in [0.9, 0.1, 0.05].into_iter().enumerate() {
+        assert!(curved[measure] < less * straight[measure], "{measure}: {straight:?} {curved:?}");
+    }
+}
+
 /// Loads do the work `int t . u dA + int b . u dV` of their tractions and body forces on displacements of the space, and a
 /// foundation the work `int k u^2 dA`.
 #[test]
@@ -138,7 +220,7 @@ fn loads_and_springs_do_their_work_on_every_displacement_of_the_space() {
     let mesh = box_tets([1.0, 2.0, 3.0], [2, 3, 2]).unwrap();
     let [side, x_min] = ["x-max", "x-min"].map(|name| mesh.group(name).unwrap());
     for (element, power) in [(Element::Tet4, 1), (Element::Tet10, 2)] {
-        let space = Space::new(&mesh, element);
+        let space = Space::new(&mesh, element, &[]);
         // u = y^power e_x on the side x = 1, of area 2 x 3; its mean square is 2^(2 power) / (2 power + 1).
         let u: Vec<DVec3> = space.points().iter().map(|p| DVec3::new(p.y.powi(power), 0.0, 0.0)).collect();
         let mean = |n: i32| 2.0_f64.powi(n) / f64::from(n + 1);
@@ -186,7 +268,7 @@ fn smooth_cube_errors(mesh: &TetMesh, element: Element, poissons_ratio: f64) -> 
         Support::new(&format!("roller {side}"), GroupId(side), displacement)
     });
     let model = Model { materials: vec![material], supports: supports.collect(), loads: vec![] };
-    let space = Space::new(mesh, element);
+    let space = Space::new(mesh, element, &[]);
     let mut system = assemble(&space, &model).unwrap();
     let exact = Exact { solution: options::ExactSolution::SmoothCube, material, tractions: None };
     exact.add_loads(&space, &mut system);

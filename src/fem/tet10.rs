@@ -22,7 +22,7 @@ pub fn gradient_products(a: usize, g: [DVec3; 4]) -> [DMat3; 10] {
     })
 }
 
-/// The 3x3 block of the element stiffness between two nodes, given `V lambda`, `V mu` and their product of gradients G:
+/// The 3x3 block of the element stiffness between two nodes of which G is the integral of the product of gradients:
 /// `lambda G + mu G^T + mu tr(G) I`.
 #[must_use]
 pub fn stiffness_block(lambda: f64, mu: f64, product: DMat3) -> DMat3 {
@@ -47,7 +47,8 @@ fn terms(a: usize, g: [DVec3; 4]) -> [(usize, DVec3, f64); 2] {
 }
 
 /// `a b^T`.
-fn outer(a: DVec3, b: DVec3) -> DMat3 {
+#[must_use]
+pub fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 

@@ -32,7 +32,9 @@ pub(super) fn analyse<'m>(
 ) -> Result<Analysed<'m>, Error> {
     let phase = plan.progress.phase(format!("step {index}: assemble {} cells", mesh.tets().len()));
     let (space, system) = timed(&mut seconds.assemble, || {
-        let space = Space::new(mesh, plan.scenario.element);
+        // Refinement makes edges straight.
+        let midsides = if index == 0 { &problem.midsides[..] } else { &[] };
+        let space = Space::new(mesh, plan.scenario.element, midsides);
         let mut system = fem::assemble(&space, &problem.model)?;
         if let Some(exact) = &problem.exact {
             exact.add_loads(&space, &mut system);

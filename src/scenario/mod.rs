@@ -62,6 +62,8 @@ pub struct Scenario {
     pub expectations: Vec<Expectation>,
     /// `[refine]`.
     pub refine: Refine,
+    /// `mesh.midside`.
+    pub midside: Midside,
     /// `analysis.element`.
     pub element: Element,
     /// `[adapt]`.
@@ -76,6 +78,17 @@ pub struct Scenario {
     pub units: Units,
     /// What is allowed but deserves a word.
     pub warnings: Vec<String>,
+}
+
+/// What becomes of the mid-side nodes of a second-order mesh.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Midside {
+    /// They are dropped: edges are straight.
+    #[default]
+    Straight,
+    /// They are kept: edges are curved until the mesh is refined.
+    Curved,
 }
 
 /// Where the mesh comes from.

@@ -3,7 +3,7 @@
 use super::actions::{Fixed, RawStiffness};
 use super::spanned::Spanned;
 use super::wanted::{RawExpectation, RawProbe};
-use super::{fields, shapes};
+use super::{Midside, fields, shapes};
 use crate::adapt::options::Estimator;
 use crate::fem::options::{Element, ExactSolution, Field, Method, Total};
 use crate::output::options::{Compression, Units};
@@ -96,13 +96,6 @@ pub(super) struct RawMesh {
     #[serde(rename = "plate-with-hole")]
     pub plate_with_hole: Option<Table<shapes::RawPlate>>,
     pub le10: Option<Table<shapes::RawLe10>>,
-}
-
-/// How the mid-side nodes of a quadratic mesh are used.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum Midside {
-    Straight,
 }
 
 #[derive(Debug, Deserialize, JsonSchema)]

@@ -7,8 +7,7 @@ use std::ops::Range;
 const RESERVED_KEYS: [&str; 6] = ["interfaces", "target_angle", "valence_limit", "quantity_error", "goal", "engine"];
 
 /// Values that the format reserves likewise, each with what to use today.
-const RESERVED_VALUES: [(&str, &str); 9] = [
-    ("curved", "straight"),
+const RESERVED_VALUES: [(&str, &str); 8] = [
     ("hex", "tet"),
     ("hex8", "tet10"),
     ("hex20", "tet10"),

@@ -185,11 +185,9 @@ impl Polynomial {
         let size = far.fold(0.0, f64::max);
         let (mut normal, mut right) = (SMatrix::<f64, N, N>::zeros(), SMatrix::<f64, N, 6>::zeros());
         for t in cells.iter().map(|&t| t as usize) {
-            let corners = mesh.cell_points(t);
             for k in 0..4 {
                 let l: [f64; 4] = std::array::from_fn(|i| SAMPLE[usize::from(i != k)]);
-                let x: DVec3 = corners.into_iter().zip(l).map(|(x, l)| l * x).sum();
-                let all = monomials((x - origin) / size);
+                let all = monomials((field.space.position(t, l) - origin) / size);
                 let p = SVector::<f64, N>::from_fn(|i, _| all[i]);
                 normal.ger(1.0, &p, &p, 1.0);
                 right.ger(1.0, &p, &SVector::<f64, 6>::from(field.stress.at(t, l)), 1.0);

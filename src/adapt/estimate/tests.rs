@@ -269,7 +269,7 @@ fn the_number_of_threads_changes_no_bit() {
 fn ten_node_cells_have_no_error_where_the_stress_is_linear() {
     for mesh in [skewed_box(3), skewed_box(1)] {
         let corners: Vec<[SymTensor; 4]> = (0..mesh.tets().len()).map(|t| mesh.cell_points(t).map(linear)).collect();
-        let space = Space::new(&mesh, Element::Tet10);
+        let space = Space::new(&mesh, Element::Tet10, &[]);
         for estimator in BOTH {
             let errors = estimate(&space, &[STEEL], &Stress::linear(&corners), estimator);
             assert!(errors.energy() < 1e-10, "{estimator:?}: {}", errors.energy());
@@ -286,7 +286,7 @@ fn ten_node_cells_have_no_error_where_the_stress_is_linear() {
 fn the_recovered_stress_of_ten_node_cells_is_the_best_quadratic() {
     let quadratic = |p: DVec3| [p.x * p.x, p.y * p.z, p.z * p.z - p.x, p.x * p.y, 1.0 - p.y * p.y, p.x * p.z];
     let mesh = skewed_box(4);
-    let space = Space::new(&mesh, Element::Tet10);
+    let space = Space::new(&mesh, Element::Tet10, &[]);
     // The linear function that agrees with the quadratic at the four sampling points of each cell.
     let (own, other) = (0.585_410_196_624_968_5, 0.138_196_601_125_010_5);
     let corners: Vec<[SymTensor; 4]> = (0..mesh.tets().len())
