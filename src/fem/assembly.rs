@@ -3,9 +3,8 @@
 use super::block_matrix::{BlockMatrix, CHUNK};
 use super::numbering::Dofs;
 use super::options::Element;
-use super::{FemError, Model, Space, check, loads, quadratic, springs, tet4};
-use crate::mesh::TetMesh;
-use crate::mesh::topology::VertexCells;
+use super::{FemError, Model, Space, check, loads, springs, tet4, tet10};
+use crate::mesh::topology::NodeCells;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
@@ -52,26 +51,66 @@ pub fn assemble(space: &Space<'_>, model: &Model) -> Result<System, FemError> {
     check::check(space.mesh(), model)?;
     let numbering = Dofs::new(space, model)?;
     let loads = loads::nodal_forces(space, model)?;
-    let mut stiffness = match space.element() {
-        Element::Tet4 => stiffness(space.mesh(), model),
-        Element::Tet10 => quadratic::stiffness(space, model),
-    };
+    let mut stiffness = stiffness(space, model);
     springs::add(space, model, &mut stiffness);
     Ok(System { stiffness, loads, numbering, points: space.points().to_vec() })
 }
 
 /// The stiffness of all nodes. Each row is gathered by one task from the cells of its node in ascending order, so that
 /// no atomics are needed and the bytes do not depend on the number of threads.
-fn stiffness(mesh: &TetMesh, model: &Model) -> BlockMatrix {
-    let cells = VertexCells::new(mesh.points().len(), mesh.tets());
-    let (starts, columns) = pattern(mesh, &cells);
+fn stiffness(space: &Space<'_>, model: &Model) -> BlockMatrix {
+    let mesh = space.mesh();
     let lame: Vec<[f64; 2]> = model.materials.iter().map(|m| [m.lambda(), m.mu()]).collect();
+    let lame = |t: usize| lame[mesh.regions()[t].0 as usize];
+    match space.element() {
+        Element::Tet4 => {
+            let nodes = |t: usize| mesh.tets()[t];
+            gather(space, nodes, |t, a| {
+                let (volume, g) = tet4::gradients(mesh.cell_points(t));
+                let [lambda, mu] = lame(t).map(|modulus| volume * modulus);
+                g.map(|b| tet4::stiffness_block(lambda, mu, g[a], b))
+            })
+        }
+        Element::Tet10 => {
+            let nodes = |t: usize| {
+                let mut nodes = [0; 10];
+                nodes.iter_mut().zip(space.cell(t)).for_each(|(place, v)| *place = v);
+                nodes
+            };
+            gather(space, nodes, |t, a| ten_node_row(space, t, a, lame(t)))
+        }
+    }
+}
+
+/// Row `a` of the stiffness of a ten-node cell: exact where edges are straight, else by quadrature of degree five.
+fn ten_node_row(space: &Space<'_>, t: usize, a: usize, [lambda, mu]: [f64; 2]) -> [DMat3; 10] {
+    if !space.is_curved(t) {
+        let (volume, g) = space.frame(t, [0.25; 4]);
+        return tet10::stiffness_row(a, volume * lambda, volume * mu, g);
+    }
+    let mut row = [DMat3::ZERO; 10];
+    for (l, _, weight) in space.cell_rule(t) {
+        let gradients = tet10::gradients(space.frame(t, l).1, l);
+        for (block, b) in row.iter_mut().zip(gradients) {
+            *block += tet4::stiffness_block(weight * lambda, weight * mu, gradients[a], b);
+        }
+    }
+    row
+}
+
+/// The matrix of cells of `N` nodes; `row` gives a row of the matrix of a cell.
+fn gather<const N: usize>(
+    space: &Space<'_>,
+    nodes: impl Fn(usize) -> [u32; N] + Sync,
+    row: impl Fn(usize, usize) -> [DMat3; N] + Sync,
+) -> BlockMatrix {
+    let rows = space.points().len();
+    let cells = NodeCells::of(rows, space.mesh().tets().len(), |t| nodes(t).into_iter());
+    let (starts, columns) = pattern(rows, &cells, &nodes);
     let mut blocks = vec![DMat3::ZERO; columns.len()];
-    let rows = mesh.points().len();
-    let first_rows: Vec<usize> = (0..rows).step_by(CHUNK).collect();
-    let mut chunks = Vec::with_capacity(first_rows.len());
+    let mut chunks = Vec::with_capacity(rows.div_ceil(CHUNK));
     let mut rest = blocks.as_mut_slice();
-    for first in first_rows {
+    for first in (0..rows).step_by(CHUNK) {
         let last = rows.min(first + CHUNK);
         let (chunk, tail) = rest.split_at_mut(starts[last] - starts[first]);
         chunks.push((first..last, chunk));
@@ -79,25 +118,35 @@ fn stiffness(mesh: &TetMesh, model: &Model) -> BlockMatrix {
     }
     chunks.into_par_iter().for_each(|(range, mut chunk)| {
         for i in range {
-            let row = &columns[starts[i]..starts[i + 1]];
-            let (blocks, tail) = chunk.split_at_mut(row.len());
-            gather_row(mesh, &lame, i as u32, cells.at(i as u32), row, blocks);
+            let columns = &columns[starts[i]..starts[i + 1]];
+            let (blocks, tail) = chunk.split_at_mut(columns.len());
             chunk = tail;
+            for t in cells.at(i as u32).iter().map(|&t| t as usize) {
+                let nodes = nodes(t);
+                // The node belongs to the cell, whose nodes are in the lists that were made of the cells.
+                let own = nodes.iter().position(|&v| v as usize == i).unwrap_or_default();
+                for (v, block) in nodes.into_iter().zip(row(t, own)) {
+                    blocks[columns.partition_point(|&c| c < v)] += block;
+                }
+            }
         }
     });
     BlockMatrix { starts, columns, blocks }
 }
 
 /// Nodes that share a cell with each node (itself included), ascending, as compressed rows.
-fn pattern(mesh: &TetMesh, cells: &VertexCells) -> (Vec<usize>, Vec<u32>) {
-    let rows = mesh.points().len();
+fn pattern<const N: usize>(
+    rows: usize,
+    cells: &NodeCells,
+    nodes: impl Fn(usize) -> [u32; N] + Sync,
+) -> (Vec<usize>, Vec<u32>) {
     let chunks: Vec<(Vec<usize>, Vec<u32>)> = (0..rows.div_ceil(CHUNK))
         .into_par_iter()
         .map(|chunk| {
             let (mut lengths, mut columns, mut row) = (Vec::with_capacity(CHUNK), Vec::new(), Vec::new());
             for i in chunk * CHUNK..rows.min((chunk + 1) * CHUNK) {
                 row.clear();
-                row.extend(cells.at(i as u32).iter().flat_map(|&t| mesh.tets()[t as usize]));
+                row.extend(cells.at(i as u32).iter().flat_map(|&t| nodes(t as usize)));
                 row.sort_unstable();
                 row.dedup();
                 lengths.push(row.len());
@@ -116,20 +165,4 @@ fn pattern(mesh: &TetMesh, cells: &VertexCells) -> (Vec<usize>, Vec<u32>) {
         columns.extend_from_slice(&chunk);
     }
     (starts, columns)
-}
-
-/// Adds the blocks of node `i` from its cells.
-fn gather_row(mesh: &TetMesh, lame: &[[f64; 2]], i: u32, cells: &[u32], columns: &[u32], blocks: &mut [DMat3]) {
-    for &t in cells {
-        let t = t as usize;
-        let tet = mesh.tets()[t];
-        let (volume, g) = tet4::gradients(mesh.cell_points(t));
-        let [lambda, mu] = lame[mesh.regions()[t].0 as usize].map(|modulus| volume * modulus);
-        // Both nodes belong to this cell, so they are in the lists that were made of the cells.
-        let own = tet.iter().position(|&v| v == i).map_or(DVec3::ZERO, |a| g[a]);
-        for (v, g) in tet.into_iter().zip(g) {
-            let slot = columns.partition_point(|&c| c < v);
-            blocks[slot] += tet4::stiffness_block(lambda, mu, own, g);
-        }
-    }
 }

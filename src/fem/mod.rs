@@ -14,7 +14,6 @@ mod loads;
 mod material;
 mod numbering;
 pub mod options;
-mod quadratic;
 mod quadrature;
 mod quantity;
 mod recover;
