@@ -5,7 +5,7 @@ use super::quantities::failed_expectations;
 use super::resolve::{Resolved, resolve};
 use super::results::Results;
 use super::simulate::{Plan, simulate};
-use super::{RunOptions, load::load, print};
+use super::{RunOptions, load::load, print, wrapped};
 use crate::error::Error;
 use crate::fem;
 use crate::output::plot::{Axis, error_curves};
@@ -57,8 +57,8 @@ pub(super) fn prepare(scenario: &Scenario, options: &RunOptions) -> Result<Resol
     let problem = resolve(scenario, file.mesh)?;
     fem::check_constraints(&problem.mesh, &problem.model)?;
     if !options.quiet {
-        let remarks = file.notes.iter().map(|n| format!("note: {n}\n"));
-        let warnings = scenario.warnings.iter().chain(&problem.warnings).map(|w| format!("warning: {w}\n"));
+        let remarks = file.notes.iter().map(|n| wrapped(&format!("note: {n}")));
+        let warnings = scenario.warnings.iter().chain(&problem.warnings).map(|w| wrapped(&format!("warning: {w}")));
         print(&format!("{}\n{}", scenario.title, remarks.chain(warnings).collect::<String>()))?;
     }
     Ok(problem)
@@ -75,9 +75,9 @@ pub(super) fn failure(scenario: &Scenario, report: &Report) -> Option<Error> {
     failed_expectations(report).or_else(|| missed_tolerance(scenario, report))
 }
 
-/// The warnings of a run, a line each; `run` names it where there are several.
+/// The warnings of a run; `run` names it where there are several.
 pub(super) fn warnings(run: &str, report: &Report) -> String {
-    report.warnings.iter().map(|w| format!("warning: {run}{w}\n")).collect()
+    report.warnings.iter().map(|w| wrapped(&format!("warning: {run}{w}"))).collect()
 }
 
 /// Plots the relative error against dofs and against seconds.
