@@ -79,8 +79,25 @@ def check_file(path):
         assert vectors is not None and vectors.GetName() == "displacement", f"{path}: displacement is not active"
     time = grid.GetFieldData().GetArray("TimeValue")
     assert time is not None and time.GetNumberOfTuples() == 1, f"{path}: no TimeValue"
+    check_names(path, grid, cells)
     check_cells(path, grid, cells)
     return time.GetValue(0)
+
+
+def check_names(path, grid, cells):
+    """The field data name every region, and the faces of every group are faces of cells."""
+    fields = grid.GetFieldData()
+    names = {fields.GetArrayName(i): fields.GetAbstractArray(i) for i in range(fields.GetNumberOfArrays())}
+    regions = names["region_names"]
+    assert cells["region"].max() < regions.GetNumberOfValues(), f"{path}: a region without a name"
+    texts = [regions.GetValue(i) for i in range(regions.GetNumberOfValues())]
+    assert all(texts) and all(text.isprintable() for text in texts), f"{path}: regions {texts}"
+    if "group_faces" in names:
+        rows = vtk_to_numpy(names["group_faces"])
+        assert rows.shape[1] == 4 and rows[:, 0].max() < names["group_names"].GetNumberOfValues(), f"{path}: groups"
+        assert rows[:, 1:].max() < grid.GetNumberOfPoints(), f"{path}: group_faces"
+    for i in range(names["units"].GetNumberOfValues() if "units" in names else 0):
+        assert len(names["units"].GetValue(i).split(" ", 1)) == 2, f"{path}: units"
 
 
 def check_cells(path, grid, cells):

@@ -35,7 +35,7 @@ pub use recover::{Solution, global_balance, recover};
 pub use solve::{Solved, SolverInfo, solve};
 
 use crate::field::{Field, VectorField};
-use crate::mesh::GroupId;
+use crate::mesh::{GroupId, TetMesh};
 use glam::DVec3;
 
 /// A symmetric tensor, XX YY ZZ XY YZ XZ.
@@ -59,6 +59,9 @@ pub struct Support {
     pub name: String,
     /// Where.
     pub group: GroupId,
+    /// If given, only the edges and vertices where faces of `group` meet faces of this group are held; there is no
+    /// foundation then.
+    pub meets: Option<GroupId>,
     /// Prescribed displacement in x, y, z; `None` where free.
     pub displacement: [Option<Field>; 3],
     /// Stiffness of the foundation in x, y, z, force per area and displacement; zero where there is none.
@@ -70,7 +73,24 @@ impl Support {
     #[must_use]
     pub fn new(name: &str, group: GroupId, displacement: [Option<f64>; 3]) -> Self {
         let displacement = displacement.map(|u| u.map(Field::Constant));
-        Self { name: name.to_owned(), group, displacement, stiffness: DVec3::ZERO }
+        Self { name: name.to_owned(), group, meets: None, displacement, stiffness: DVec3::ZERO }
+    }
+
+    /// The vertices whose displacement it prescribes, ascending. Borders between groups are creases, so that on every
+    /// refinement those of an edge lie on that edge.
+    #[must_use]
+    pub fn vertices(&self, mesh: &TetMesh) -> Vec<u32> {
+        let of = |group| {
+            let mut vertices: Vec<u32> = mesh.group_faces(group).flat_map(|f| f.vertices).collect();
+            vertices.sort_unstable();
+            vertices.dedup();
+            vertices
+        };
+        let mut vertices = of(self.group);
+        if let Some(other) = self.meets.map(of) {
+            vertices.retain(|v| other.binary_search(v).is_ok());
+        }
+        vertices
     }
 }
 

@@ -96,9 +96,7 @@ const SAME: f64 = 1e-10;
 pub fn prescribed(mesh: &TetMesh, model: &Model) -> Result<Vec<Prescribed>, FemError> {
     let mut all = Vec::new();
     for (support, s) in model.supports.iter().enumerate() {
-        let mut nodes: Vec<u32> = mesh.group_faces(s.group).flat_map(|f| f.vertices).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
+        let nodes = s.vertices(mesh);
         for (component, field) in s.displacement.iter().enumerate() {
             let Some(field) = field else { continue };
             for &node in &nodes {

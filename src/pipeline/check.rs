@@ -3,10 +3,9 @@
 use super::describe::{self, MeshDetails, word};
 use super::forecast::{self, Forecast};
 use super::inspect::{describe_groups, describe_mesh};
-use super::resolve::{Resolved, choose_materials};
+use super::resolve::{Resolved, check_supports, choose_materials};
 use super::{RunOptions, load, print, resolve, table, wrapped};
 use crate::error::Error;
-use crate::fem;
 use crate::field::Field;
 use crate::mesh::TetMesh;
 use crate::output::options::Units;
@@ -24,7 +23,7 @@ pub fn check(scenario: &Scenario, options: &RunOptions) -> Result<(), Error> {
     let file = load::load(scenario)?;
     let given_groups = file.mesh.groups().len();
     let resolved = resolve::resolve(scenario, file.mesh)?;
-    fem::check_constraints(&resolved.mesh, &resolved.model)?;
+    check_supports(scenario, &resolved)?;
     let forecast = Forecast::of(scenario, &resolved.mesh);
     if let Some(path) = &options.json {
         let details = Details {
@@ -118,14 +117,16 @@ fn materials(scenario: &Scenario, mesh: &TetMesh) -> Result<Vec<MaterialRecord>,
 }
 
 fn describe_selections(resolved: &Resolved) -> Result<String, Error> {
-    let mut held = table(&["support", "faces", "area", "x", "y", "z"]);
+    let mut held = table(&["support", "faces", "area", "vertices", "x", "y", "z"]);
     for s in describe::supports(resolved) {
         let [x, y, z] = std::array::from_fn(|c| match (&s.displacement[c], s.spring[c]) {
             (Some(u), _) => u.to_string(),
             (None, 0.0) => "free".to_owned(),
             (None, k) => format!("spring {k}"),
         });
-        held.add_row([s.name, s.faces.to_string(), figures(s.area, 6), x, y, z]);
+        let (faces, area) =
+            if s.faces == 0 { ("-".to_owned(), "-".to_owned()) } else { (s.faces.to_string(), figures(s.area, 6)) };
+        held.add_row([s.name, faces, area, s.vertices.to_string(), x, y, z]);
     }
     let mut acts = table(&["load", "kind", "value", "faces", "area", "total x", "y", "z"]);
     for l in describe::loads(resolved)? {

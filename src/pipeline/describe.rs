@@ -69,6 +69,8 @@ pub(super) struct Support {
     pub name: String,
     pub faces: usize,
     pub area: f64,
+    /// Vertices that are held, on the input mesh.
+    pub vertices: usize,
     pub displacement: [Option<Field>; 3],
     pub spring: [f64; 3],
 }
@@ -91,9 +93,11 @@ pub(super) struct Load {
 
 pub(super) fn supports(problem: &Resolved) -> Vec<Support> {
     let support = |s: &crate::fem::Support| {
-        let (faces, area) = extent(&problem.mesh, s.group);
+        // Where faces meet there are none.
+        let (faces, area) = if s.meets.is_some() { (0, 0.0) } else { extent(&problem.mesh, s.group) };
+        let vertices = s.vertices(&problem.mesh).len();
         let (displacement, spring) = (s.displacement.clone(), s.stiffness.to_array());
-        Support { name: s.name.clone(), faces, area, displacement, spring }
+        Support { name: s.name.clone(), faces, area, vertices, displacement, spring }
     };
     problem.model.supports.iter().map(support).collect()
 }

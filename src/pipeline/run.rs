@@ -2,12 +2,11 @@
 
 use super::doubts::ending;
 use super::quantities::failed_expectations;
-use super::resolve::{Resolved, resolve};
+use super::resolve::{Resolved, check_supports, resolve};
 use super::results::Results;
 use super::simulate::{Plan, simulate};
 use super::{RunOptions, load::load, print, wrapped};
 use crate::error::Error;
-use crate::fem;
 use crate::output::plot::{Axis, error_curves};
 use crate::output::progress::Progress;
 use crate::output::report::{Report, StopReason, write_json};
@@ -55,7 +54,7 @@ pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<Report, Error> {
 pub(super) fn prepare(scenario: &Scenario, options: &RunOptions) -> Result<Resolved, Error> {
     let file = load(scenario)?;
     let problem = resolve(scenario, file.mesh)?;
-    fem::check_constraints(&problem.mesh, &problem.model)?;
+    check_supports(scenario, &problem)?;
     if !options.quiet {
         let remarks = file.notes.iter().map(|n| wrapped(&format!("note: {n}")));
         let warnings = scenario.warnings.iter().chain(&problem.warnings).map(|w| wrapped(&format!("warning: {w}")));
