@@ -185,7 +185,7 @@ fn what_the_format_reserves_is_refused_with_what_to_use() {
         ("[analysis]\nelement = \"tet10\"", "\"tet4\""),
         ("[refine]\nboundary = \"fixed-trisection\"", "\"fixed\""),
         ("[refine]\nengine = \"x\"", "engine"),
-        ("[mesh]\nfile = \"a\"\nmidside = \"curved\"", "\"straight\""),
+        ("[mesh]\nfile = \"a\"\nmidside = \"curved\"", "tet10"),
         ("[mesh.box]\nsize = [1, 1, 1]\ncells = [1, 1, 1]\nelement = \"hex\"", "\"tet\""),
     ] {
         let fault = refuse(text, &[]);

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use assert_cmd::Command;
+use subsolid::fem::Space;
 use subsolid::mesh::TetMesh;
 use subsolid::pipeline::{load::load, resolve::resolve};
 use subsolid::scenario::Scenario;
@@ -151,7 +152,7 @@ fn an_edge_stays_the_edge_on_every_refinement() {
         edge.sort_unstable();
         edge.dedup();
         assert!(edge.len() >= least, "{} vertices on the edge", edge.len());
-        assert_eq!(support.vertices(mesh), edge);
+        assert_eq!(support.nodes(&Space::linear(mesh)), edge);
     };
     check(&problem.mesh, 5);
     for scheme in [Scheme::Red, Scheme::Sqrt3, Scheme::LongestEdge] {

@@ -2,7 +2,8 @@
 
 use super::block_matrix::{BlockMatrix, CHUNK};
 use super::numbering::Dofs;
-use super::{FemError, Model, check, loads, springs, tet4};
+use super::options::Element;
+use super::{FemError, Model, Space, check, loads, quadratic, springs, tet4};
 use crate::mesh::TetMesh;
 use crate::mesh::topology::VertexCells;
 use glam::{DMat3, DVec3};
@@ -40,20 +41,23 @@ impl System {
     }
 }
 
-/// Assembles stiffness, loads and supports of a model on a mesh.
+/// Assembles stiffness, loads and supports of a model on the elements of a mesh.
 ///
 /// It does not ask whether the supports hold the solid: see [`super::check_constraints`], which is needed once only, as
 /// refinement inherits the supports.
 ///
 /// # Errors
 /// A material, support or load that makes no sense on this mesh; see [`FemError`].
-pub fn assemble(mesh: &TetMesh, model: &Model) -> Result<System, FemError> {
-    check::check(mesh, model)?;
-    let numbering = Dofs::new(mesh, model)?;
-    let loads = loads::nodal_forces(mesh, model)?;
-    let mut stiffness = stiffness(mesh, model);
-    springs::add(mesh, model, &mut stiffness);
-    Ok(System { stiffness, loads, numbering, points: mesh.points().to_vec() })
+pub fn assemble(space: &Space<'_>, model: &Model) -> Result<System, FemError> {
+    check::check(space.mesh(), model)?;
+    let numbering = Dofs::new(space, model)?;
+    let loads = loads::nodal_forces(space, model)?;
+    let mut stiffness = match space.element() {
+        Element::Tet4 => stiffness(space.mesh(), model),
+        Element::Tet10 => quadratic::stiffness(space, model),
+    };
+    springs::add(space, model, &mut stiffness);
+    Ok(System { stiffness, loads, numbering, points: space.points().to_vec() })
 }
 
 /// The stiffness of all nodes. Each row is gathered by one task from the cells of its node in ascending order, so that

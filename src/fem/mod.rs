@@ -1,6 +1,6 @@
 //! Linear elasticity: a mesh and a model in, displacement, stress, energy and reactions out.
 //!
-//! Small strains, isotropic materials, four-node tetrahedra. Tensors are ordered XX YY ZZ XY YZ XZ; shear strains in
+//! Small strains, isotropic materials, tetrahedra of four nodes or ten. Tensors are ordered XX YY ZZ XY YZ XZ; shear strains in
 //! this order are the tensor's own components (not the engineering shear), stresses likewise.
 
 mod assembly;
@@ -14,13 +14,17 @@ mod loads;
 mod material;
 mod numbering;
 pub mod options;
+mod quadratic;
 mod quadrature;
 mod quantity;
 mod recover;
 mod solve;
+mod space;
 mod springs;
+mod stress;
 #[cfg(test)]
 mod tests;
+mod tet10;
 mod tet4;
 
 pub use assembly::{System, assemble};
@@ -33,9 +37,11 @@ pub use numbering::{Prescribed, prescribed};
 pub use quantity::{Cells, Extent, Quantity, QuantityKind, State};
 pub use recover::{Solution, global_balance, recover};
 pub use solve::{Solved, SolverInfo, solve};
+pub use space::Space;
+pub use stress::Stress;
 
 use crate::field::{Field, VectorField};
-use crate::mesh::{GroupId, TetMesh};
+use crate::mesh::GroupId;
 use glam::DVec3;
 
 /// A symmetric tensor, XX YY ZZ XY YZ XZ.
@@ -76,21 +82,21 @@ impl Support {
         Self { name: name.to_owned(), group, meets: None, displacement, stiffness: DVec3::ZERO }
     }
 
-    /// The vertices whose displacement it prescribes, ascending. Borders between groups are creases, so that on every
+    /// The nodes whose displacement it prescribes, ascending. Borders between groups are creases, so that on every
     /// refinement those of an edge lie on that edge.
     #[must_use]
-    pub fn vertices(&self, mesh: &TetMesh) -> Vec<u32> {
+    pub fn nodes(&self, space: &Space<'_>) -> Vec<u32> {
         let of = |group| {
-            let mut vertices: Vec<u32> = mesh.group_faces(group).flat_map(|f| f.vertices).collect();
-            vertices.sort_unstable();
-            vertices.dedup();
-            vertices
+            let mut nodes: Vec<u32> = space.mesh().group_faces(group).flat_map(|f| space.face(f)).collect();
+            nodes.sort_unstable();
+            nodes.dedup();
+            nodes
         };
-        let mut vertices = of(self.group);
+        let mut nodes = of(self.group);
         if let Some(other) = self.meets.map(of) {
-            vertices.retain(|v| other.binary_search(v).is_ok());
+            nodes.retain(|v| other.binary_search(v).is_ok());
         }
-        vertices
+        nodes
     }
 }
 

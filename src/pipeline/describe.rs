@@ -95,7 +95,7 @@ pub(super) fn supports(problem: &Resolved) -> Vec<Support> {
     let support = |s: &crate::fem::Support| {
         // Where faces meet there are none.
         let (faces, area) = if s.meets.is_some() { (0, 0.0) } else { extent(&problem.mesh, s.group) };
-        let vertices = s.vertices(&problem.mesh).len();
+        let vertices = s.nodes(&fem::Space::linear(&problem.mesh)).len();
         let (displacement, spring) = (s.displacement.clone(), s.stiffness.to_array());
         Support { name: s.name.clone(), faces, area, vertices, displacement, spring }
     };

@@ -1,15 +1,19 @@
 //! How large the meshes of a run will be and what memory they take, told before it runs.
 
+use crate::adapt::options::Marking;
+use crate::fem::options::{Element, Method};
 use crate::mesh::{TetMesh, surface, topology};
 use crate::scenario::{Scenario, Strategy};
 use crate::subdiv::options::{Boundary, Mode, Scheme};
-use crate::{adapt::options::Marking, fem::options::Method};
 use serde::Serialize;
 
 /// Bytes of an analysis, and of the refinement to its mesh, that do not depend on the mesh, and those a cell. Measured on
 /// the bundled scenarios and on red refinements of the tripod up to 1.4 million cells (within a factor of 1.7).
 const BASE_BYTES: f64 = 70e6;
 const BYTES_A_CELL: f64 = 600.0;
+
+/// Those a cell of ten nodes.
+const BYTES_A_QUADRATIC_CELL: f64 = 6000.0;
 
 /// Entries of the Cholesky factor of a bulky solid, as a multiple of `dofs^(4/3)`: measured on boxes of 20,000 and 100,000
 /// unknowns. Slender parts have fewer.
@@ -21,7 +25,7 @@ pub(super) struct Step {
     pub step: usize,
     pub cells: usize,
     pub nodes: usize,
-    /// Three a node.
+    /// Three a node of the elements, which are on the edges too where they are quadratic.
     pub dofs: usize,
     /// At the peak of its analysis.
     pub bytes: u64,
@@ -48,7 +52,7 @@ impl Forecast {
         let mut exact = true;
         let mut steps = Vec::new();
         let end = loop {
-            steps.push(sizes.step(steps.len(), exact, scenario.solver.method));
+            steps.push(sizes.step(steps.len(), exact, scenario));
             if refine.strategy == Strategy::None {
                 break "refine.strategy = \"none\"".to_owned();
             }
@@ -61,7 +65,7 @@ impl Forecast {
             let Some(next) = sizes.refined(scenario) else {
                 break "further steps depend on the solution: the marking is by a threshold".to_owned();
             };
-            let bytes = next.bytes(scenario.solver.method);
+            let bytes = next.bytes(scenario);
             if let Some(most) = refine.stop.max_memory.filter(|most| bytes > *most as f64) {
                 break format!("max_memory = {most}, the next step would take {}", size(bytes as u64));
             }
@@ -104,15 +108,26 @@ impl Sizes {
         }
     }
 
-    fn bytes(&self, method: Method) -> f64 {
-        let factor = if method == Method::Direct { 8.0 * FACTOR * (3.0 * self.nodes).powf(4.0 / 3.0) } else { 0.0 };
-        BASE_BYTES + BYTES_A_CELL * self.cells + factor
+    fn dofs(&self, element: Element) -> f64 {
+        3.0 * match element {
+            Element::Tet4 => self.nodes,
+            Element::Tet10 => self.nodes + self.edges,
+        }
     }
 
-    fn step(&self, step: usize, exact: bool, method: Method) -> Step {
-        let nodes = self.nodes.round() as usize;
-        let (cells, bytes) = (self.cells.round() as usize, self.bytes(method) as u64);
-        Step { step, cells, nodes, dofs: 3 * nodes, bytes, exact }
+    fn bytes(&self, scenario: &Scenario) -> f64 {
+        let direct = scenario.solver.method == Method::Direct;
+        let factor = if direct { 8.0 * FACTOR * self.dofs(scenario.element).powf(4.0 / 3.0) } else { 0.0 };
+        let a_cell = match scenario.element {
+            Element::Tet4 => BYTES_A_CELL,
+            Element::Tet10 => BYTES_A_QUADRATIC_CELL,
+        };
+        BASE_BYTES + a_cell * self.cells + factor
+    }
+
+    fn step(&self, step: usize, exact: bool, scenario: &Scenario) -> Step {
+        let [cells, nodes, dofs] = [self.cells, self.nodes, self.dofs(scenario.element)].map(|x| x.round() as usize);
+        Step { step, cells, nodes, dofs, bytes: self.bytes(scenario) as u64, exact }
     }
 
     /// The mesh of the next step; `None` where only the solution knows.

@@ -3,6 +3,7 @@
 use super::{ModelError, hints, loading, quantities, select};
 use crate::fem::{self, FemError, Model};
 use crate::field::Field;
+use crate::mesh::midside::Midside;
 use crate::mesh::{GroupId, TetMesh, features, features::face_normal, topology};
 use crate::output::report::Selection;
 use crate::scenario::{Load, LoadKind, Material, Scenario, Selector, Support, suggest};
@@ -17,6 +18,8 @@ const AXIS_TOLERANCE: f64 = 5e-11;
 pub struct Resolved {
     /// The mesh with a group for each support and load, and with its creases and corners.
     pub mesh: TetMesh,
+    /// Nodes of its curved edges, sorted by edge.
+    pub midsides: Vec<Midside>,
     /// Materials, supports and loads on its regions and groups.
     pub model: Model,
     /// The quantities asked for, on its regions and groups.
@@ -29,7 +32,7 @@ pub struct Resolved {
     pub warnings: Vec<String>,
 }
 
-/// Resolves a scenario on its mesh.
+/// Resolves a scenario on its mesh, with straight edges.
 ///
 /// # Errors
 /// [`ModelError`]: regions without material, no supports, selectors that match nothing, supports that contradict each
@@ -56,7 +59,8 @@ pub fn resolve(scenario: &Scenario, mesh: TetMesh) -> Result<Resolved, ModelErro
     let with_place = |error| with_place(scenario, error);
     let mut warnings = if exact.is_none() { loading::warnings(&mesh, &model).map_err(with_place)? } else { Vec::new() };
     warnings.extend(loading::idle_supports(&mesh, &model).map_err(with_place)?);
-    Ok(Resolved { mesh: with_features(scenario, mesh)?, model, quantities, exact, selections, warnings })
+    let mesh = with_features(scenario, mesh)?;
+    Ok(Resolved { mesh, midsides: Vec::new(), model, quantities, exact, selections, warnings })
 }
 
 /// Checks that the supports stop every rigid motion of every part.
@@ -193,7 +197,7 @@ impl Targets {
             displacement = [0, 1, 2].map(|c| Some(exact.displacement_field(c)));
         }
         let support = fem::Support { name: s.name.clone(), group, meets, displacement, stiffness: s.stiffness };
-        if support.vertices(&self.mesh).is_empty() {
+        if support.nodes(&fem::Space::linear(&self.mesh)).is_empty() {
             let (place, what) = (s.place.clone(), format!("support `{}`", s.name));
             return Err(ModelError::NoEdge { place, what });
         }

@@ -70,7 +70,7 @@ impl<'a> Results<'a> {
             self.vtk(step, &indicator)?;
         }
         // Those of the last step stay.
-        write_probes(&self.folder, &self.scenario.probes, step.mesh, self.problem, step.analysed)?;
+        write_probes(&self.folder, &self.scenario.probes, self.problem, step.analysed)?;
         self.angles.push((label.clone(), angles));
         self.errors.push((label, indicator));
         Ok(())
@@ -78,7 +78,8 @@ impl<'a> Results<'a> {
 
     fn vtk(&mut self, step: &Step<'_>, indicator: &[f64]) -> Result<(), Error> {
         let solution = &step.analysed.solution;
-        let von_mises: Vec<f64> = solution.stress.iter().map(|&s| fem::von_mises(s)).collect();
+        let stress = solution.stress.means();
+        let von_mises: Vec<f64> = stress.iter().map(|&s| fem::von_mises(s)).collect();
         let output = &self.scenario.output;
         let fields = Fields {
             time: step.index as f64,
@@ -94,14 +95,14 @@ impl<'a> Results<'a> {
                 output,
                 vec![
                     (FieldName::VonMises, "von_mises", Values::Scalars(&von_mises)),
-                    (FieldName::Stress, "stress", Values::Tensors(&solution.stress)),
+                    (FieldName::Stress, "stress", Values::Tensors(&stress)),
                     (FieldName::ErrorIndicator, "error_indicator", Values::Scalars(indicator)),
                     (FieldName::Marked, "marked", Values::Flags(step.selected)),
                 ],
             ),
         };
         let name = format!("step_{:03}.vtu", step.index);
-        write_vtu(&self.path(&name), step.mesh, &fields, output.compression)?;
+        write_vtu(&self.path(&name), &step.analysed.space, &fields, output.compression)?;
         self.files.push((fields.time, name));
         Ok(pvd::write_pvd(&self.path("results.pvd"), &self.files)?)
     }

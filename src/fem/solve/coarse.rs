@@ -272,6 +272,7 @@ fn coarse_row(system: &System, aggregate_of: &[u32], nodes: &[u32], arms: &[DVec
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fem::Space;
     use crate::fem::{GroupId, Material, Model, Support, assemble};
     use crate::mesh::generate::box_tets;
 
@@ -281,7 +282,7 @@ mod tests {
         let support = |group, displacement| Support::new("", GroupId(group), displacement);
         let supports = vec![support(0, [Some(0.0); 3]), support(4, [None, None, Some(0.0)])];
         let materials = vec![Material { youngs_modulus: 2.0, poissons_ratio: 0.3, density: 0.0 }];
-        let system = assemble(&mesh, &Model { materials, supports, loads: vec![] }).unwrap();
+        let system = assemble(&Space::linear(&mesh), &Model { materials, supports, loads: vec![] }).unwrap();
         let coarse = Coarse::new(&system).unwrap();
         assert!(coarse.aggregates.len() > 5 && coarse.aggregates.iter().all(|nodes| nodes.len() >= NODES / 4));
         let mask = system.numbering.mask();
