@@ -1,5 +1,5 @@
-//! One number of each bundled scenario, against a source that is not this program. `scenarios/fichera.toml`
-//! expects its own, and tests/quantities.rs runs it.
+//! One number of each bundled scenario, against a source that is not this program. `scenarios/fichera.toml` and
+//! `scenarios/le10.toml` expect their own; tests/quantities.rs runs the first.
 #![allow(clippy::unwrap_used)]
 
 use assert_cmd::Command;
@@ -40,6 +40,14 @@ fn the_bracket_is_that_of_calculix() {
     let fine = report("bracket.toml", &[]);
     let short = deviation(&fine, "strain_energy", 90.402);
     assert!((-0.04..0.0).contains(&short), "{short}");
+}
+
+#[test]
+fn the_thick_plate_has_the_stress_of_nafems() {
+    // It would not succeed without the stress that it expects.
+    let report = report("le10.toml", &[]);
+    let stress = &report["expectations"]["stress"];
+    assert_eq!((stress["expected"].as_f64(), stress["passed"].as_bool()), (Some(-5.38), Some(true)));
 }
 
 #[test]

@@ -102,10 +102,11 @@ def check_names(path, grid, cells):
 
 def check_cells(path, grid, cells):
     kinds = {grid.GetCellType(i) for i in range(grid.GetNumberOfCells())}
-    assert kinds == {vtk.VTK_TETRA}, f"{path}: not all tetrahedra"
+    nodes = {vtk.VTK_TETRA: 4, vtk.VTK_QUADRATIC_TETRA: 10}
+    assert len(kinds) == 1 and kinds <= set(nodes), f"{path}: not all tetrahedra of one kind"
     points = vtk_to_numpy(grid.GetPoints().GetData())
     assert points.dtype == np.float64 and np.isfinite(points).all(), f"{path}: points"
-    tets = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, 4)
+    tets = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, nodes[kinds.pop()])
     assert tets.min() >= 0 and tets.max() < len(points), f"{path}: a cell uses a point that does not exist"
     a, b, c, d = (points[tets[:, i]] for i in range(4))
     volumes = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a)
