@@ -265,3 +265,35 @@ fn the_formats_page_tells_all_that_a_run_writes() {
     let columns = std::fs::read_to_string(results.join("probe_axis.csv")).unwrap();
     assert!(columns.lines().next().unwrap().split(',').all(tells), "{columns}");
 }
+
+#[test]
+fn links_between_pages_lead_somewhere() {
+    let mut count = 0;
+    for (page, text) in pages() {
+        let folder = Path::new(ROOT).join(if page == "README.md" { "" } else { "docs" });
+        for link in text.split("](").skip(1).filter_map(|rest| rest.split_once(')')).map(|(link, _)| link) {
+            let (path, heading) = link.split_once('#').unwrap_or((link, ""));
+            if link.contains("://") {
+                continue;
+            }
+            count += 1;
+            let target = if path.is_empty() { folder.join(&page) } else { folder.join(path) };
+            assert!(target.exists(), "{page}: {link}");
+            let anchor = |line: &str| {
+                let kept = |c: &char| c.is_alphanumeric() || " -_".contains(*c);
+                line.trim_start_matches('#')
+                    .trim()
+                    .to_lowercase()
+                    .chars()
+                    .filter(kept)
+                    .collect::<String>()
+                    .replace(' ', "-")
+            };
+            let found = || {
+                std::fs::read_to_string(&target).unwrap().lines().any(|l| l.starts_with('#') && anchor(l) == heading)
+            };
+            assert!(heading.is_empty() || found(), "{page}: {link}");
+        }
+    }
+    assert!(count > 20, "{count} links");
+}
