@@ -17,6 +17,9 @@ const EXIT_CODES: &str = "Exit codes: 0 ok; 1 a check failed; 2 usage; 3 scenari
                           6 solver, memory or output; 7 asked tolerance not reached; 130 interrupted.\n\
                           Meshes are looked for beside the scenario, then in the folder named by SUBSOLID_DATA.";
 
+const FORMATS: &str = "Formats, found from the content: Gmsh MSH 2.2 and 4.1 (text, binary), Abaqus and CalculiX .inp, \
+                       MEDIT .mesh, VTK legacy .vtk and XML .vtu, GiD .msh. docs/formats.md tells what is read of each.";
+
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
@@ -53,8 +56,10 @@ pub enum Command {
         scenario_options: ScenarioOptions,
     },
     /// Refine a mesh, all of it or chosen cells, and write it
+    #[command(after_help = FORMATS)]
     Subdivide(Subdivide),
     /// Print counts, groups, regions and quality of a mesh
+    #[command(after_help = FORMATS)]
     Inspect {
         /// Mesh file
         mesh: PathBuf,
@@ -88,9 +93,9 @@ pub struct Subdivide {
     /// a file of cell numbers from 0, one a line; later steps refine what those before refined [default: all]
     #[arg(long, value_name = "CELLS", value_parser = cells)]
     pub select: Option<CellsName>,
-    /// With --select curvature: edges that turn less are flat, in degrees
-    #[arg(long, value_name = "DEG", default_value = "5", value_parser = angle)]
-    pub curvature_angle: f64,
+    /// With --select curvature: edges that turn less are flat, in degrees [default: 5]
+    #[arg(long, value_name = "DEG", value_parser = angle)]
+    pub curvature_angle: Option<f64>,
     /// Boundary edges with a larger angle between the normals of their faces are features, in degrees
     #[arg(long, value_name = "DEG", default_value = "40", value_parser = angle)]
     pub feature_angle: f64,
@@ -100,9 +105,9 @@ pub struct Subdivide {
     /// Vertices that stay where they are: a file of one number (from 0) a line
     #[arg(long, value_name = "FILE")]
     pub corners: Option<PathBuf>,
-    /// What scheme sqrt3 does to the boundary surface; the others keep it
-    #[arg(long, value_enum, default_value_t = BoundaryName::Approximating)]
-    pub boundary: BoundaryName,
+    /// What scheme sqrt3 does to the boundary surface; the others keep it [default: approximating]
+    #[arg(long, value_enum)]
+    pub boundary: Option<BoundaryName>,
     /// How each refined mesh is optimised for its dihedral angles
     #[arg(long, value_enum, default_value_t = ModeName::Best)]
     pub optimise: ModeName,

@@ -3,7 +3,7 @@
 mod cli;
 
 use clap::{CommandFactory as _, Parser as _};
-use cli::{CellsName, Cli, Command, Common, ScenarioOptions};
+use cli::{BoundaryName, CellsName, Cli, Command, Common, ScenarioOptions};
 use peak_alloc::PeakAlloc;
 use std::collections::BTreeSet;
 use std::io::Write as _;
@@ -19,6 +19,9 @@ use subsolid::subdiv::options::{Mode, Optimise, Options, QualityMeasure, Scheme}
 
 #[global_allocator]
 static ALLOCATOR: PeakAlloc = PeakAlloc;
+
+/// Degrees from which the boundary turns, for `--select curvature`.
+const CURVATURE_ANGLE: f64 = 5.0;
 
 const MEMORY: MemoryProbe = MemoryProbe { reset: || ALLOCATOR.reset_peak_usage(), peak: || ALLOCATOR.peak_usage() };
 
@@ -55,19 +58,33 @@ fn subdivision(arguments: cli::Subdivide) -> Subdivision {
     if mode == Mode::Best && measure != QualityMeasure::MinSine {
         refuse("--measure is for the published operations: use it with --optimise paper");
     }
+    let scheme = arguments.scheme.into();
+    let curvature = matches!(arguments.select, Some(CellsName::Curvature));
     if json.as_ref() == Some(&output) {
         refuse("--json and --output name the same file");
     }
+    for (option, idle) in [
+        ("--boundary is for --scheme sqrt3", arguments.boundary.is_some() && scheme != Scheme::Sqrt3),
+        ("--curvature-angle is for --select curvature", arguments.curvature_angle.is_some() && !curvature),
+        ("--select is for one step or more", arguments.select.is_some() && arguments.steps == 0),
+    ] {
+        if idle {
+            // With standard error closed there is nobody left to tell.
+            let _ = writeln!(std::io::stderr(), "warning: {option}: here it has no effect");
+        }
+    }
+    let boundary = arguments.boundary.unwrap_or(BoundaryName::Approximating).into();
     let optimise = Optimise { mode, measure, ..Optimise::default() };
-    let options =
-        Options { scheme: arguments.scheme.into(), boundary: arguments.boundary.into(), optimise, frames: false };
+    let options = Options { scheme, boundary, optimise, frames: false };
     let cells = match arguments.select {
         None | Some(CellsName::All) => Cells::All,
         Some(_) if options.scheme == Scheme::Red => {
             refuse("--scheme red refines all cells or none: use sqrt3 or longest-edge with --select")
         }
         Some(CellsName::Boundary) => Cells::Boundary,
-        Some(CellsName::Curvature) => Cells::Curvature { above: arguments.curvature_angle, below: feature_angle },
+        Some(CellsName::Curvature) => {
+            Cells::Curvature { above: arguments.curvature_angle.unwrap_or(CURVATURE_ANGLE), below: feature_angle }
+        }
         Some(CellsName::File(path)) => Cells::Listed(path),
     };
     Subdivision {

@@ -217,7 +217,7 @@ fn free_motion(mesh: &TetMesh, supports: Vec<Support>) -> String {
     let model = Model { materials: vec![STIFF], supports, loads: vec![] };
     match fem::check_constraints(mesh, &model) {
         Ok(()) => String::new(),
-        Err(FemError::FreeMotion { motions }) => motions.join("; "),
+        Err(FemError::FreeMotion { motions, .. }) => motions.join("; "),
         Err(other) => panic!("{other}"),
     }
 }

@@ -4,7 +4,7 @@
 use glam::DVec3;
 use std::f64::consts::PI;
 use subsolid::mesh::features::{face_normal, feature_count_and_length, with_creases};
-use subsolid::mesh::generate::{cylinder, fichera, l_prism, le10, plate_with_hole, sphere_shell, tube};
+use subsolid::mesh::generate::{cylinder, fichera, l_prism, le10, plate_with_hole, prism, sphere_shell, tube};
 use subsolid::mesh::{MeshError, TetMesh};
 
 /// Every face of the boundary belongs to exactly one group, no group is empty, and groups close up: the sum of their
@@ -47,6 +47,26 @@ fn notched_bodies_have_their_volume_their_faces_and_their_edges() {
         // was cut out keeps the length of the edges.
         let length = |mesh| feature_count_and_length(&with_creases(mesh, 40.0, &[])).1;
         assert!((length(prism) - 22.0).abs() < 1e-12 && (length(corner) - 30.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn prisms_have_the_volume_of_their_polygon_and_their_valence_at_the_axis() {
+    for (sides, cells) in [(3, [1, 1]), (5, [3, 2]), (7, [2, 3]), (24, [1, 4])] {
+        let mesh = prism(sides, 1.5, 2.0, cells).unwrap();
+        let [rings, layers] = cells;
+        check_groups(&mesh);
+        assert_eq!(mesh.tets().len(), 3 * sides * rings * rings * layers);
+        let end = 0.5 * sides as f64 * 1.5 * 1.5 * (2.0 * PI / sides as f64).sin();
+        assert!((mesh.volume() - 2.0 * end).abs() < 1e-12 * end, "{sides} sides: {}", mesh.volume());
+        assert!((area(&mesh, "z-max") - end * DVec3::Z).length() < 1e-12 && area(&mesh, "side").length() < 1e-12);
+        // The triangles of an end that meet at the axis.
+        let axis = |v: &u32| mesh.points()[*v as usize].truncate().length() < 1e-12;
+        let top = mesh.group("z-max").unwrap();
+        assert_eq!(mesh.group_faces(top).filter(|f| f.vertices.iter().any(axis)).count(), sides);
+    }
+    for (sides, radius, cells) in [(2, 1.0, [1, 1]), (5, 0.0, [1, 1]), (5, 1.0, [0, 1]), (5, 1.0, [9999, 9999])] {
+        assert!(matches!(prism(sides, radius, 1.0, cells), Err(MeshError::Generator(_))));
     }
 }
 

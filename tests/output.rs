@@ -7,7 +7,7 @@ use glam::DVec3;
 use std::path::{Path, PathBuf};
 use subsolid::fem::Space;
 use subsolid::mesh::TetMesh;
-use subsolid::output::options::Compression;
+use subsolid::output::options::{Compression, Units};
 use subsolid::output::plot::{Axis, dihedral_histogram, error_curves, error_histogram};
 use subsolid::output::pvd::write_pvd;
 use subsolid::output::vtk::{Fields, Values, write_vtu};
@@ -57,6 +57,7 @@ impl Data {
     fn fields(&self, time: f64) -> Fields<'_> {
         Fields {
             time,
+            units: Units::default(),
             points: vec![
                 ("displacement", Values::Vectors(&self.displacement)),
                 ("stress", Values::Tensors(&self.nodal_stress)),
@@ -208,8 +209,9 @@ fn pictures_have_axes_units_and_legends() {
 
     let errors: Vec<_> =
         steps(-4.0, -0.5).into_iter().map(|(l, e)| (l, e.iter().map(|x| 10_f64.powf(*x)).collect())).collect();
-    error_histogram(&file("errors.svg"), &errors).unwrap();
-    assert!(texts(&file("errors.svg")).contains("estimated error of a cell in the energy norm"));
+    error_histogram(&file("errors.svg"), &errors, Some("mJ")).unwrap();
+    let labels = texts(&file("errors.svg"));
+    assert!(labels.contains("estimated error of a cell in the energy norm") && labels.contains("(mJ)"), "{labels}");
 
     let curve = |rate: f64, step: f64, n: i32| -> Vec<(f64, f64)> {
         (0..n).map(|i| 2901.0 * step.powi(i)).map(|x| (x, 0.4 * (x / 2901.0).powf(-rate))).collect()
@@ -231,7 +233,7 @@ fn pictures_of_nothing_are_still_pictures() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("empty.svg");
     error_curves(&path, Axis::Dofs, &[("run".to_owned(), vec![(0.0, f64::NAN)])]).unwrap();
-    error_histogram(&path, &[("step 0".to_owned(), vec![0.0; 5])]).unwrap();
+    error_histogram(&path, &[("step 0".to_owned(), vec![0.0; 5])], None).unwrap();
     dihedral_histogram(&path, &[("step 0".to_owned(), Vec::new())]).unwrap();
     dihedral_histogram(&path, &[]).unwrap();
     assert!(std::fs::read_to_string(&path).unwrap().ends_with("</svg>\n"));

@@ -281,6 +281,32 @@ fn known_solutions_are_approached_with_the_first_order() {
     assert!(stdout.contains("effectivity"), "{stdout}");
 }
 
+/// The singular solution r^0.5445 of the L-prism, prescribed on its outer sides: red refinement converges with that order
+/// in the size of the cells.
+#[test]
+fn the_singularity_of_the_l_prism_bounds_the_order() {
+    let prism = |n: usize| {
+        let sides = ["x-min", "x-max", "y-min", "y-max"].map(|g| format!("{{ group = \"{g}\" }}")).join(", ");
+        let text =
+            known(&format!("[mesh.l-prism]\ncells = {n}"), "solution = \"l-prism\"", &[("z-min", "z"), ("z-max", "z")]);
+        format!("{text}[supports.outer]\nany = [{sides}]\nfix = \"exact\"\n")
+    };
+    // The error in the energy norm, and that norm of the known solution by the same quadrature.
+    let errors = |n: usize| {
+        let (report, _) = report(&prism(n));
+        let error = &report["steps"][0]["error"];
+        let [error, relative] = ["true_energy", "true_relative"].map(|key| error[key].as_f64().unwrap());
+        (error, (error / relative).powi(2))
+    };
+    let ((coarse, _), (fine, norm)) = (errors(4), errors(8));
+    let order = (coarse / fine).log2();
+    assert!((0.5..0.59).contains(&order), "order {order}: {coarse}, {fine}");
+    // The quadrature misses some of the singularity.
+    assert!((norm / 28.172_983_101_124 - 1.0).abs() < 0.02, "{norm}");
+    let (code, message) = refused(&prism(2).replace("[exact]\nsolution = \"l-prism\"", ""));
+    assert!(code == Some(3) && message.contains("[exact]"), "{message}");
+}
+
 #[test]
 fn a_known_solution_of_another_solid_is_refused() {
     let (code, message) = refused(&format!("{PULLED}[exact]\nsolution = \"smooth-cube\"\n"));

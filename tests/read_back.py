@@ -79,16 +79,34 @@ def check_file(path):
         assert vectors is not None and vectors.GetName() == "displacement", f"{path}: displacement is not active"
     time = grid.GetFieldData().GetArray("TimeValue")
     assert time is not None and time.GetNumberOfTuples() == 1, f"{path}: no TimeValue"
+    check_names(path, grid, cells)
     check_cells(path, grid, cells)
     return time.GetValue(0)
 
 
+def check_names(path, grid, cells):
+    """The field data name every region, and the faces of every group are faces of cells."""
+    fields = grid.GetFieldData()
+    names = {fields.GetArrayName(i): fields.GetAbstractArray(i) for i in range(fields.GetNumberOfArrays())}
+    regions = names["region_names"]
+    assert cells["region"].max() < regions.GetNumberOfValues(), f"{path}: a region without a name"
+    texts = [regions.GetValue(i) for i in range(regions.GetNumberOfValues())]
+    assert all(texts) and all(text.isprintable() for text in texts), f"{path}: regions {texts}"
+    if "group_faces" in names:
+        rows = vtk_to_numpy(names["group_faces"])
+        assert rows.shape[1] == 4 and rows[:, 0].max() < names["group_names"].GetNumberOfValues(), f"{path}: groups"
+        assert rows[:, 1:].max() < grid.GetNumberOfPoints(), f"{path}: group_faces"
+    for i in range(names["units"].GetNumberOfValues() if "units" in names else 0):
+        assert len(names["units"].GetValue(i).split(" ", 1)) == 2, f"{path}: units"
+
+
 def check_cells(path, grid, cells):
     kinds = {grid.GetCellType(i) for i in range(grid.GetNumberOfCells())}
-    assert kinds == {vtk.VTK_TETRA}, f"{path}: not all tetrahedra"
+    nodes = {vtk.VTK_TETRA: 4, vtk.VTK_QUADRATIC_TETRA: 10}
+    assert len(kinds) == 1 and kinds <= set(nodes), f"{path}: not all tetrahedra of one kind"
     points = vtk_to_numpy(grid.GetPoints().GetData())
     assert points.dtype == np.float64 and np.isfinite(points).all(), f"{path}: points"
-    tets = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, 4)
+    tets = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, nodes[kinds.pop()])
     assert tets.min() >= 0 and tets.max() < len(points), f"{path}: a cell uses a point that does not exist"
     a, b, c, d = (points[tets[:, i]] for i in range(4))
     volumes = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a)

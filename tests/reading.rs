@@ -9,7 +9,7 @@ use binary_msh::binary_msh;
 use std::path::{Path, PathBuf};
 use subsolid::fem::Space;
 use subsolid::mesh::read::{Edges, MeshFile, read, read_with};
-use subsolid::mesh::{TetMesh, features::face_normal, generate};
+use subsolid::mesh::{GroupId, TetMesh, features::face_normal, generate};
 use subsolid::output::options::Compression;
 use subsolid::output::vtk::{Fields, write_vtu};
 
@@ -155,6 +155,12 @@ fn our_own_files_read_back_to_the_same_mesh() {
         let again = read(&path).unwrap().mesh;
         assert_eq!((again.points(), again.tets()), (mesh.points(), mesh.tets()), "{compression:?}");
         assert_eq!(again.regions(), mesh.regions(), "{compression:?}");
+        assert_eq!((again.region_names(), again.groups()), (mesh.region_names(), mesh.groups()), "{compression:?}");
+        assert!(!mesh.groups().is_empty());
+        for group in (0..mesh.groups().len() as u32).map(GroupId) {
+            let faces = |mesh: &TetMesh| mesh.group_faces(group).map(|f| f.vertices).collect::<Vec<_>>();
+            assert_eq!(faces(&again), faces(&mesh), "{compression:?}");
+        }
         let vertices = |mesh: &TetMesh| mesh.faces().iter().map(|f| f.vertices).collect::<Vec<_>>();
         assert_eq!(vertices(&again), vertices(&mesh));
     }

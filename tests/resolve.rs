@@ -144,9 +144,11 @@ fn supports_may_agree_but_not_contradict_where_they_meet() {
     let side = "[supports.side]\nplane = { normal = [1, 0, 0], offset = 0 }\n";
     assert!(resolved(&format!("{side}fix = [\"x\"]"), &[]).is_ok());
     let (error, _) = refused(&format!("{BASE}{side}displacement = {{ y = 0.25 }}"));
-    let ModelError::Fem(FemError::ConflictingSupports { first, second, axis, values, vertex, position }) = error else {
+    let ModelError::Supports { places, error, .. } = error else { panic!("{error}") };
+    let FemError::ConflictingSupports { first, second, axis, values, vertex, position } = *error else {
         panic!("{error}")
     };
+    assert!(places.contains(" and ") && places.matches("case.toml:").count() == 2, "{places}");
     assert_eq!((first.as_str(), second.as_str(), axis, values), ("feet", "side", "y", [0.0, 0.25]));
     assert_eq!((position.x, position.y, brick().points()[vertex]), (0.0, 0.0, position));
 }

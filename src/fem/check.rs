@@ -19,7 +19,9 @@ pub(super) fn check(mesh: &TetMesh, model: &Model) -> Result<(), FemError> {
         }
     }
     for support in &model.supports {
-        check_group(mesh, support.group, "support", &support.name)?;
+        for group in [support.group].into_iter().chain(support.meets) {
+            check_group(mesh, group, "support", &support.name)?;
+        }
         let prescribed = support.displacement.iter().flatten().filter_map(Field::constant);
         check_finite(prescribed.chain(support.stiffness.to_array()), "support", &support.name)?;
         if support.stiffness.min_element() < 0.0 {

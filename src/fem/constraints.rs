@@ -29,13 +29,14 @@ pub fn check_constraints(mesh: &TetMesh, model: &Model) -> Result<(), FemError> 
     check::check(mesh, model)?;
     let bodies = Bodies::new(mesh);
     let rows = bodies.constraint_rows(mesh, model, &Dofs::new(&Space::linear(mesh), model)?);
-    let mut motions = Vec::new();
+    let (mut motions, mut supports) = (Vec::new(), Vec::new());
     for cluster in bodies.clusters() {
         let free = free_motions(&cluster, &rows);
         for (place, &part) in cluster.iter().enumerate() {
             let own = column_space(free.rows(6 * place, 6).into_owned());
             if own.ncols() > 0 {
                 motions.push(bodies.sentence(part, &own));
+                supports.extend(rows[part as usize].iter().filter_map(|row| row.support));
             }
         }
     }
@@ -44,7 +45,9 @@ pub fn check_constraints(mesh: &TetMesh, model: &Model) -> Result<(), FemError> 
     if more > 0 {
         motions.push(format!("{more} more parts can move as well"));
     }
-    if motions.is_empty() { Ok(()) } else { Err(FemError::FreeMotion { motions }) }
+    supports.sort_unstable();
+    supports.dedup();
+    if motions.is_empty() { Ok(()) } else { Err(FemError::FreeMotion { motions, supports }) }
 }
 
 /// The parts as rigid bodies.
@@ -84,6 +87,8 @@ impl Body {
 struct Row {
     coefficients: [f64; 6],
     other: Option<(u32, [f64; 6])>,
+    /// The support that makes it.
+    support: Option<usize>,
 }
 
 impl Bodies {
@@ -118,19 +123,19 @@ impl Bodies {
         for p in numbering.prescribed() {
             let part = self.part_at[p.node as usize];
             let coefficients = modes(part, p.node, p.component as usize);
-            rows[part as usize].push(Row { coefficients, other: None });
+            rows[part as usize].push(Row { coefficients, other: None, support: Some(p.support as usize) });
         }
         // A foundation holds the corners of its faces: no motion but zero has zero in all of them and energy none.
-        for support in &model.supports {
+        for (index, support) in model.supports.iter().enumerate() {
             let held: Vec<usize> = (0..3).filter(|&c| support.stiffness[c] > 0.0).collect();
             for v in mesh.group_faces(support.group).flat_map(|f| f.vertices) {
                 let part = self.part_at[v as usize];
-                let row = |c| Row { coefficients: modes(part, v, c), other: None };
+                let row = |c| Row { coefficients: modes(part, v, c), other: None, support: Some(index) };
                 rows[part as usize].extend(held.iter().map(|&c| row(c)));
             }
         }
         for &(v, a, b) in &self.joints {
-            let row = |c| Row { coefficients: modes(a, v, c), other: Some((b, modes(b, v, c))) };
+            let row = |c| Row { coefficients: modes(a, v, c), other: Some((b, modes(b, v, c))), support: None };
             rows[a as usize].extend((0..3).map(row));
         }
         rows

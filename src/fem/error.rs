@@ -93,6 +93,8 @@ pub enum FemError {
     FreeMotion {
         /// One sentence for each part that can move.
         motions: Vec<String>,
+        /// The supports that hold these parts, as far as they are held, by index; ascending.
+        supports: Vec<usize>,
     },
     /// Numbers that overflow, or are lost in underflow.
     #[error("the {what} leaves the range of double precision (about 1e-154 to 1e154 where squares are taken)")]

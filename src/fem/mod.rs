@@ -64,6 +64,9 @@ pub struct Support {
     pub name: String,
     /// Where.
     pub group: GroupId,
+    /// If given, only the edges and vertices where faces of `group` meet faces of this group are held; there is no
+    /// foundation then.
+    pub meets: Option<GroupId>,
     /// Prescribed displacement in x, y, z; `None` where free.
     pub displacement: [Option<Field>; 3],
     /// Stiffness of the foundation in x, y, z, force per area and displacement; zero where there is none.
@@ -75,7 +78,24 @@ impl Support {
     #[must_use]
     pub fn new(name: &str, group: GroupId, displacement: [Option<f64>; 3]) -> Self {
         let displacement = displacement.map(|u| u.map(Field::Constant));
-        Self { name: name.to_owned(), group, displacement, stiffness: DVec3::ZERO }
+        Self { name: name.to_owned(), group, meets: None, displacement, stiffness: DVec3::ZERO }
+    }
+
+    /// The nodes whose displacement it prescribes, ascending. Borders between groups are creases, so that on every
+    /// refinement those of an edge lie on that edge.
+    #[must_use]
+    pub fn nodes(&self, space: &Space<'_>) -> Vec<u32> {
+        let of = |group| {
+            let mut nodes: Vec<u32> = space.mesh().group_faces(group).flat_map(|f| space.face(f)).collect();
+            nodes.sort_unstable();
+            nodes.dedup();
+            nodes
+        };
+        let mut nodes = of(self.group);
+        if let Some(other) = self.meets.map(of) {
+            nodes.retain(|v| other.binary_search(v).is_ok());
+        }
+        nodes
     }
 }
 

@@ -95,9 +95,7 @@ const SAME: f64 = 1e-10;
 pub fn prescribed(space: &Space<'_>, model: &Model) -> Result<Vec<Prescribed>, FemError> {
     let mut all = Vec::new();
     for (support, s) in model.supports.iter().enumerate() {
-        let mut nodes: Vec<u32> = space.mesh().group_faces(s.group).flat_map(|f| space.face(f)).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
+        let nodes = s.nodes(space);
         for (component, field) in s.displacement.iter().enumerate() {
             let Some(field) = field else { continue };
             for &node in &nodes {

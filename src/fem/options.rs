@@ -104,4 +104,7 @@ pub enum ExactSolution {
     /// A quarter of a plate of half edge 4 with a hole of radius 1, in plane strain, its outer sides under the tractions of
     /// an infinite plate in tension 1 along x (Kirsch).
     Kirsch,
+    /// The L-prism in plane strain with the displacement of its opening mode, r^0.5445 at the re-entrant edge, whose faces
+    /// are free (Williams).
+    LPrism,
 }

@@ -1,4 +1,4 @@
-//! Fields over space that a scenario prescribes: numbers, or expressions in x, y and z.
+//! Fields over space that a scenario prescribes: numbers, expressions in x, y and z, or functions of known solutions.
 
 mod expression;
 mod parse;
@@ -8,6 +8,7 @@ pub use parse::{NAMES, ParseError};
 
 use glam::DVec3;
 use std::fmt;
+use std::sync::Arc;
 
 /// A scalar field.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +17,34 @@ pub enum Field {
     Constant(f64),
     /// An expression of the position.
     Expression(Expression),
+    /// A function that the program brings.
+    Function(Function),
+}
+
+/// A function of the position with a name that people read. Functions of one name are the same.
+#[derive(Clone)]
+pub struct Function {
+    name: String,
+    at: Arc<dyn Fn(DVec3) -> f64 + Send + Sync>,
+}
+
+impl Function {
+    /// Names a function.
+    pub fn new(name: &str, at: impl Fn(DVec3) -> f64 + Send + Sync + 'static) -> Self {
+        Self { name: name.to_owned(), at: Arc::new(at) }
+    }
+}
+
+impl fmt::Debug for Function {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.name)
+    }
+}
+
+impl PartialEq for Function {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
 }
 
 impl Field {
@@ -28,6 +57,7 @@ impl Field {
         match self {
             Self::Constant(value) => *value,
             Self::Expression(expression) => expression.at(x),
+            Self::Function(function) => (function.at)(x),
         }
     }
 
@@ -36,7 +66,7 @@ impl Field {
     pub fn constant(&self) -> Option<f64> {
         match self {
             Self::Constant(value) => Some(*value),
-            Self::Expression(_) => None,
+            Self::Expression(_) | Self::Function(_) => None,
         }
     }
 }
@@ -59,16 +89,17 @@ impl fmt::Display for Field {
         match self {
             Self::Constant(value) => write!(f, "{value}"),
             Self::Expression(expression) => write!(f, "{expression}"),
+            Self::Function(function) => f.write_str(&function.name),
         }
     }
 }
 
 impl serde::Serialize for Field {
-    /// A number, or the text of an expression.
+    /// A number, the text of an expression, or the name of a function.
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Constant(value) => serializer.serialize_f64(*value),
-            Self::Expression(expression) => serializer.collect_str(expression),
+            Self::Expression(_) | Self::Function(_) => serializer.collect_str(self),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::OutputError;
 use super::atomic::ensure_writable_dir;
-use super::options::Compression;
+use super::options::{Compression, Units};
 use super::pvd::write_pvd;
 use super::vtk::{Fields, Values, write_vtu};
 use crate::fem::Space;
@@ -51,6 +51,7 @@ impl FrameWriter {
             mesh.points().iter().enumerate().map(|(v, p)| self.points.get(v).is_some_and(|old| old != p)).collect();
         let fields = Fields {
             time: self.files.len() as f64,
+            units: Units::default(),
             points: vec![("moved", Values::Flags(&moved))],
             cells: vec![("new", Values::Flags(&new))],
         };

@@ -7,6 +7,7 @@ pub mod atomic;
 pub mod compare;
 pub mod csv;
 mod error;
+mod field_data;
 pub mod frames;
 pub mod options;
 pub mod plot;

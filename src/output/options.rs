@@ -16,6 +16,27 @@ pub enum Compression {
     Zlib,
 }
 
+/// A field of the solution in VTK files, by its name there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum FieldName {
+    /// At points.
+    Displacement,
+    /// At points the recovered one, in cells that of the element.
+    Stress,
+    /// In cells.
+    VonMises,
+    /// In cells.
+    ErrorIndicator,
+    /// In cells: those selected for the next step.
+    Marked,
+}
+
+impl FieldName {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Displacement, Self::Stress, Self::VonMises, Self::ErrorIndicator, Self::Marked];
+}
+
 /// Figures from a publication, printed beside ours.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Published {

@@ -1,8 +1,8 @@
 //! Meshes with fields as VTK unstructured grids (`.vtu`).
 
-use super::OutputError;
 use super::atomic::write_atomic;
-use super::options::Compression;
+use super::options::{Compression, Units};
+use super::{OutputError, field_data};
 use crate::fem::Space;
 use crate::fem::options::Element;
 use crate::mesh::{TetMesh, quality};
@@ -33,13 +33,16 @@ pub enum Values<'a> {
 pub struct Fields<'a> {
     /// What viewers show as the time of the file; the step number in a refinement run.
     pub time: f64,
+    /// The units that were declared.
+    pub units: Units,
     /// A value at each node.
     pub points: Vec<(&'a str, Values<'a>)>,
     /// A value in each cell.
     pub cells: Vec<(&'a str, Values<'a>)>,
 }
 
-/// Writes the elements and fields as a `.vtu` file, ten-node cells as VTK's quadratic tetrahedra. The cell data `region` (index into the region names),
+/// Writes the elements and fields as a `.vtu` file, ten-node cells as VTK's quadratic tetrahedra, with the names of regions
+/// and groups, the faces of the groups and the units as field data. The cell data `region` (index into the region names),
 /// `refinement_level` and `quality` (minimum dihedral angle in degrees) are made from the mesh. The same mesh and fields
 /// give the same bytes.
 ///
@@ -62,7 +65,7 @@ pub fn write_vtu(
         let file = grid(space, fields).try_into_xml_format(compressor, COMPRESSION_LEVEL).map_err(io::Error::other)?;
         let mut text = Vec::new();
         file.write(&mut text).map_err(io::Error::other)?;
-        annotate(w, &text, fields.time)
+        annotate(w, &text, fields.time, &field_data::arrays(space.mesh(), &fields.units))
     })
 }
 
@@ -163,12 +166,12 @@ fn coordinates(vectors: &[DVec3]) -> Vec<f64> {
     vectors.iter().flat_map(DVec3::to_array).collect()
 }
 
-/// Copies the file's text, adding what `vtkio` cannot express: the time and the names of the tensor components.
-fn annotate(w: &mut dyn Write, text: &[u8], time: f64) -> io::Result<()> {
+/// Copies the file's text, adding what `vtkio` cannot express: the time, `more` field data and the names of the tensor components.
+fn annotate(w: &mut dyn Write, text: &[u8], time: f64, more: &str) -> io::Result<()> {
     let grid = "<UnstructuredGrid>";
     let time = format!(
         "{grid}<FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">{time:?}\
-         </DataArray></FieldData>"
+         </DataArray>{more}</FieldData>"
     );
     let six = "NumberOfComponents=\"6\"";
     let names: String = ["XX", "YY", "ZZ", "XY", "YZ", "XZ"]

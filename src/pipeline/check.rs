@@ -1,16 +1,16 @@
 //! `subsolid check`: what a run would do, without solving.
 
-use super::describe::{self, MeshDetails};
+use super::describe::{self, MeshDetails, word};
+use super::forecast::{self, Forecast};
 use super::inspect::{describe_groups, describe_mesh};
-use super::resolve::{Resolved, choose_materials};
-use super::{RunOptions, load, print, resolve, table};
+use super::resolve::{Resolved, check_supports, choose_materials};
+use super::{RunOptions, load, print, resolve, table, wrapped};
 use crate::error::Error;
-use crate::fem;
 use crate::field::Field;
 use crate::mesh::TetMesh;
 use crate::output::options::Units;
 use crate::output::report::write_json;
-use crate::output::table::{figures, units};
+use crate::output::table::{count, figures, units};
 use crate::scenario::{Material, Refine, Scenario, Strategy};
 use std::time::Instant;
 
@@ -23,7 +23,8 @@ pub fn check(scenario: &Scenario, options: &RunOptions) -> Result<(), Error> {
     let file = load::load(scenario)?;
     let given_groups = file.mesh.groups().len();
     let resolved = resolve::resolve(scenario, file.mesh)?;
-    fem::check_constraints(&resolved.mesh, &resolved.model)?;
+    check_supports(scenario, &resolved)?;
+    let forecast = Forecast::of(scenario, &resolved.mesh);
     if let Some(path) = &options.json {
         let details = Details {
             mesh: MeshDetails::of(&resolved.mesh, given_groups, start.elapsed().as_secs_f64()),
@@ -31,6 +32,9 @@ pub fn check(scenario: &Scenario, options: &RunOptions) -> Result<(), Error> {
             materials: materials(scenario, &resolved.mesh)?,
             supports: describe::supports(&resolved),
             loads: describe::loads(&resolved)?,
+            quantities: describe::quantities(&resolved),
+            probes: describe::probes(scenario, &resolved.mesh),
+            forecast: forecast.clone(),
         };
         write_json(path, &details)?;
     }
@@ -38,15 +42,24 @@ pub fn check(scenario: &Scenario, options: &RunOptions) -> Result<(), Error> {
         return Ok(());
     }
     let mut text = format!("{}\n\n{}", scenario.title, describe_mesh(&resolved.mesh, file.format));
-    file.notes.iter().for_each(|note| text += &format!("note: {note}\n"));
+    file.notes.iter().for_each(|note| text += &wrapped(&format!("note: {note}")));
     text += &units(&scenario.units);
     text += &describe_groups(&resolved.mesh, given_groups);
     text += &describe_materials(scenario, &resolved.mesh)?;
     text += &describe_selections(&resolved)?;
-    text += &format!("\n{}", describe_refinement(scenario));
+    text += &describe_wishes(scenario, &resolved);
+    text += &format!("\n{}", wrapped(&describe_refinement(scenario)));
+    text += &describe_forecast(&forecast);
     text += &format!("results would go to {}\n", options.folder(scenario).display());
-    for warning in scenario.warnings.iter().chain(&resolved.warnings) {
-        text += &format!("warning: {warning}\n");
+    let large = forecast.too_large().map(|s| {
+        let needs = forecast::size(s.bytes);
+        format!(
+            "step {} may take {needs} of memory, more than is free: refine.stop.max_memory ends a run before",
+            s.step
+        )
+    });
+    for warning in scenario.warnings.iter().chain(&resolved.warnings).chain(&large) {
+        text += &wrapped(&format!("warning: {warning}"));
     }
     print(&text)
 }
@@ -76,6 +89,9 @@ struct Details {
     materials: Vec<MaterialRecord>,
     supports: Vec<describe::Support>,
     loads: Vec<describe::Load>,
+    quantities: Vec<describe::Quantity>,
+    probes: Vec<describe::Probe>,
+    forecast: Forecast,
 }
 
 /// The material of a region.
@@ -101,14 +117,16 @@ fn materials(scenario: &Scenario, mesh: &TetMesh) -> Result<Vec<MaterialRecord>,
 }
 
 fn describe_selections(resolved: &Resolved) -> Result<String, Error> {
-    let mut held = table(&["support", "faces", "area", "x", "y", "z"]);
+    let mut held = table(&["support", "faces", "area", "vertices", "x", "y", "z"]);
     for s in describe::supports(resolved) {
         let [x, y, z] = std::array::from_fn(|c| match (&s.displacement[c], s.spring[c]) {
             (Some(u), _) => u.to_string(),
             (None, 0.0) => "free".to_owned(),
             (None, k) => format!("spring {k}"),
         });
-        held.add_row([s.name, s.faces.to_string(), figures(s.area, 6), x, y, z]);
+        let (faces, area) =
+            if s.faces == 0 { ("-".to_owned(), "-".to_owned()) } else { (s.faces.to_string(), figures(s.area, 6)) };
+        held.add_row([s.name, faces, area, s.vertices.to_string(), x, y, z]);
     }
     let mut acts = table(&["load", "kind", "value", "faces", "area", "total x", "y", "z"]);
     for l in describe::loads(resolved)? {
@@ -122,12 +140,61 @@ fn describe_selections(resolved: &Resolved) -> Result<String, Error> {
     Ok(format!("\n{held}\n\n{acts}\n"))
 }
 
+/// Quantities and probes, with what they are taken over; nothing if there are none.
+fn describe_wishes(scenario: &Scenario, resolved: &Resolved) -> String {
+    let mut text = String::new();
+    let mut wanted = table(&["quantity", "what", "taken over"]);
+    for q in describe::quantities(resolved) {
+        let faces = q.faces.map(|n| format!("{n} faces, area {}", figures(q.area.unwrap_or_default(), 6)));
+        let volume = q.volume.map(|v| format!("volume {}", figures(v, 6)));
+        let point = q.point.map(|[x, y, z]| format!("({x}, {y}, {z})"));
+        wanted.add_row([q.name, q.what, faces.or(volume).or(point).unwrap_or_else(|| "-".to_owned())]);
+    }
+    if !wanted.is_empty() {
+        text += &format!("\n{wanted}\n");
+    }
+    let mut lines = table(&["probe", "from", "to", "points", "in the part"]);
+    for p in describe::probes(scenario, &resolved.mesh) {
+        let [from, to] = [p.from, p.to].map(|[x, y, z]| format!("({x}, {y}, {z})"));
+        lines.add_row([p.name, from, to, p.points.to_string(), p.inside.to_string()]);
+    }
+    if !lines.is_empty() {
+        text += &format!("\n{lines}\n");
+    }
+    text
+}
+
+/// The sizes of the steps that a run may make.
+fn describe_forecast(forecast: &Forecast) -> String {
+    let mut rows = table(&["step", "cells", "nodes", "dofs", "memory"]);
+    for s in &forecast.steps {
+        let about = |n: usize| if s.exact { count(n) } else { format!("~ {}", count(rough(n))) };
+        rows.add_row([
+            s.step.to_string(),
+            about(s.cells),
+            about(s.nodes),
+            about(s.dofs),
+            format!("~ {}", forecast::size(s.bytes)),
+        ]);
+    }
+    let free = forecast.free_bytes.map_or(String::new(), |b| format!(" {} of memory are free.", forecast::size(b)));
+    let end =
+        format!("The last of these steps by {}. ~ is an estimate, mostly within a factor of two.{free}", forecast.end);
+    format!("\n{rows}\n{}", wrapped(&end))
+}
+
+/// An estimate to two figures.
+fn rough(n: usize) -> usize {
+    let unit = 10_usize.pow(n.max(1).ilog10().saturating_sub(1));
+    (n + unit / 2) / unit * unit
+}
+
 /// The plan of refinement in a sentence or two.
 fn describe_refinement(scenario: &Scenario) -> String {
     let Refine { strategy, steps, options, stop } = &scenario.refine;
     let (scheme, boundary) = (word(&options.scheme), word(&options.boundary));
     let plan = match strategy {
-        Strategy::None => return "refinement: none\n".to_owned(),
+        Strategy::None => return "refinement: none".to_owned(),
         Strategy::Global => "all cells".to_owned(),
         Strategy::Adaptive => {
             let (marking, rings) = (word(&scenario.adapt.marking), scenario.adapt.grow);
@@ -142,10 +209,5 @@ fn describe_refinement(scenario: &Scenario) -> String {
     ];
     let rules: Vec<String> = rules.into_iter().flatten().collect();
     let stop = if rules.is_empty() { String::new() } else { format!(", ends early at {}", rules.join(" or ")) };
-    format!("refinement: {scheme}, {plan}, boundary {boundary}, at most {steps} steps{stop}\n")
-}
-
-/// The word or table a choice is written with in a scenario.
-fn word(choice: &impl serde::Serialize) -> String {
-    serde_json::to_string(choice).unwrap_or_default().replace(['"', '{', '}'], "").replace(':', " ")
+    format!("refinement: {scheme}, {plan}, boundary {boundary}, at most {steps} steps{stop}")
 }

@@ -1,12 +1,14 @@
 //! What a mesh holds and what a scenario makes of it, for tables and for JSON.
 
 use super::loading;
+use super::quantities::points_inside;
 use super::resolve::Resolved;
 use super::select;
-use crate::fem::{FemError, LoadKind};
+use crate::fem::{self, FemError, LoadKind, QuantityKind};
 use crate::field::{Field, VectorField};
 use crate::mesh::{GroupId, TetMesh};
 use crate::output::report::MeshReport;
+use crate::scenario::Scenario;
 use glam::DVec3;
 use serde::Serialize;
 
@@ -67,6 +69,8 @@ pub(super) struct Support {
     pub name: String,
     pub faces: usize,
     pub area: f64,
+    /// Vertices that are held, on the input mesh.
+    pub vertices: usize,
     pub displacement: [Option<Field>; 3],
     pub spring: [f64; 3],
 }
@@ -89,9 +93,11 @@ pub(super) struct Load {
 
 pub(super) fn supports(problem: &Resolved) -> Vec<Support> {
     let support = |s: &crate::fem::Support| {
-        let (faces, area) = extent(&problem.mesh, s.group);
+        // Where faces meet there are none.
+        let (faces, area) = if s.meets.is_some() { (0, 0.0) } else { extent(&problem.mesh, s.group) };
+        let vertices = s.nodes(&fem::Space::linear(&problem.mesh)).len();
         let (displacement, spring) = (s.displacement.clone(), s.stiffness.to_array());
-        Support { name: s.name.clone(), faces, area, displacement, spring }
+        Support { name: s.name.clone(), faces, area, vertices, displacement, spring }
     };
     problem.model.supports.iter().map(support).collect()
 }
@@ -120,4 +126,70 @@ pub(super) fn loads(problem: &Resolved) -> Result<Vec<Load>, FemError> {
 
 fn extent(mesh: &TetMesh, group: GroupId) -> (usize, f64) {
     (mesh.group_faces(group).count(), select::area(mesh, mesh.group_faces(group)))
+}
+
+/// A quantity: what it is a number of, and of what part of the mesh.
+#[derive(Debug, Serialize)]
+pub(super) struct Quantity {
+    pub name: String,
+    pub what: String,
+    /// Boundary faces that it is taken over, and their area.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub faces: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub area: Option<f64>,
+    /// Volume of the cells, or of their parts, that it is taken over.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub volume: Option<f64>,
+    /// Where a value is taken.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub point: Option<[f64; 3]>,
+}
+
+/// A probe, and how many of its points lie in the mesh.
+#[derive(Debug, Serialize)]
+pub(super) struct Probe {
+    pub name: String,
+    pub from: [f64; 3],
+    pub to: [f64; 3],
+    pub points: usize,
+    pub inside: usize,
+}
+
+pub(super) fn quantities(problem: &Resolved) -> Vec<Quantity> {
+    let mesh = &problem.mesh;
+    let quantity = |q: &fem::Quantity| {
+        let (what, over) = match q.kind {
+            QuantityKind::Average(field, over) => (format!("average of {}", word(&field)), Some(over)),
+            QuantityKind::Maximum(field, over) => (format!("maximum of {}", word(&field)), Some(over)),
+            QuantityKind::Value(field, _) => (word(&field), None),
+            QuantityKind::Total(total, cells) => (word(&total), Some(fem::Extent::Cells(cells))),
+            QuantityKind::Reaction(support, c) => {
+                (format!("reaction of {}, {}", problem.model.supports[support].name, ["x", "y", "z"][c]), None)
+            }
+        };
+        let faces = if let Some(fem::Extent::Faces(group)) = over { Some(extent(mesh, group)) } else { None };
+        let volume = if let Some(fem::Extent::Cells(cells)) = over { Some(cells.volume(mesh)) } else { None };
+        let point = if let QuantityKind::Value(_, x) = q.kind { Some(x.to_array()) } else { None };
+        let (faces, area) = faces.unzip();
+        Quantity { name: q.name.clone(), what, faces, area, volume, point }
+    };
+    problem.quantities.iter().map(quantity).collect()
+}
+
+pub(super) fn probes(scenario: &Scenario, mesh: &TetMesh) -> Vec<Probe> {
+    let inside = points_inside(&scenario.probes, mesh);
+    let probe = |(p, inside): (&crate::scenario::Probe, usize)| Probe {
+        name: p.name.clone(),
+        from: p.from.to_array(),
+        to: p.to.to_array(),
+        points: p.points,
+        inside,
+    };
+    scenario.probes.iter().zip(inside).map(probe).collect()
+}
+
+/// The word or table a choice is written with in a scenario.
+pub(super) fn word(choice: &impl Serialize) -> String {
+    serde_json::to_string(choice).unwrap_or_default().replace(['"', '{', '}'], "").replace(':', " ")
 }

@@ -1,7 +1,7 @@
 //! `subsolid inspect`: what a mesh file holds.
 
 use super::describe::{self, MeshDetails, Region};
-use super::{load, print, select, table};
+use super::{load, print, select, table, wrapped};
 use crate::error::Error;
 use crate::mesh::{GroupId, TetMesh, features, quality, read, topology};
 use crate::output::report::write_json;
@@ -36,7 +36,7 @@ pub fn inspect(inspection: &Inspection) -> Result<(), Error> {
         return Ok(());
     }
     let mut text = describe_mesh(&mesh, file.format);
-    file.notes.iter().for_each(|note| text += &format!("note: {note}\n"));
+    file.notes.iter().for_each(|note| text += &wrapped(&format!("note: {note}")));
     text += &describe_regions(&mesh);
     text += &describe_groups(&mesh, mesh.groups().len());
     print(&text)
@@ -44,9 +44,9 @@ pub fn inspect(inspection: &Inspection) -> Result<(), Error> {
 
 /// The measures beside the minimum dihedral angle that Burkhart, Hamann and Umlauf 2010 name.
 const MEASURES: [(&str, quality::CellMeasure); 3] = [
-    ("minimum sines of dihedral angles", quality::min_sine),
-    ("minimum solid angles, steradians", quality::min_solid_angle),
-    ("edge ratios, shortest to longest", quality::edge_ratio),
+    ("minimum sines of these", quality::min_sine),
+    ("minimum solid angles, sr", quality::min_solid_angle),
+    ("shortest to longest edge", quality::edge_ratio),
 ];
 
 /// Counts, size and quality.

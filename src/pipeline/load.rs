@@ -42,6 +42,7 @@ fn generated(shape: Shape) -> Result<TetMesh, MeshError> {
             generate::plate_with_hole(radius, size, thickness, cells)
         }
         Shape::Le10 { cells } => generate::le10(cells),
+        Shape::Prism { sides, radius, length, cells } => generate::prism(sides, radius, length, cells),
     }
 }
 

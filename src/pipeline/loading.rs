@@ -37,6 +37,17 @@ pub(super) fn warnings(mesh: &TetMesh, model: &Model) -> Result<Vec<String>, Fem
     Ok(warnings)
 }
 
+/// Supports that prescribe nothing: others, named before them, prescribe the same.
+///
+/// # Errors
+/// As [`warnings`].
+pub(super) fn idle_supports(mesh: &TetMesh, model: &Model) -> Result<Vec<String>, FemError> {
+    let mut busy = vec![false; model.supports.len()];
+    fem::prescribed(&Space::linear(mesh), model)?.iter().for_each(|p| busy[p.support as usize] = true);
+    let idle = model.supports.iter().zip(busy).filter(|(s, busy)| !busy && s.stiffness == DVec3::ZERO);
+    Ok(idle.map(|(s, _)| format!("support `{}` holds nothing that others do not hold already", s.name)).collect())
+}
+
 /// The total force of a load.
 ///
 /// # Errors

@@ -6,6 +6,7 @@ pub mod choice;
 pub mod compare;
 mod describe;
 mod doubts;
+mod forecast;
 mod hints;
 pub mod inspect;
 mod leftovers;
@@ -24,7 +25,7 @@ pub use model_error::ModelError;
 
 use crate::error::Error;
 use crate::scenario::Scenario;
-use comfy_table::{CellAlignment, LineStyle, Table, presets};
+use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, presets};
 use std::io::{ErrorKind, Write as _};
 use std::path::PathBuf;
 
@@ -70,12 +71,21 @@ pub fn print(text: &str) -> Result<(), Error> {
     }
 }
 
+/// Columns of a terminal that text fits into.
+const COLUMNS: u16 = 80;
+
 /// An empty table in the style of all of them.
 fn table(header: &[&str]) -> Table {
     let mut table = Table::new();
     table.load_style(presets::UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none())).set_header(header);
+    table.set_content_arrangement(ContentArrangement::Dynamic).set_width(COLUMNS);
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }
     table
+}
+
+/// A paragraph broken into lines that fit, with a newline at the end.
+fn wrapped(paragraph: &str) -> String {
+    textwrap::fill(paragraph, usize::from(COLUMNS)) + "\n"
 }

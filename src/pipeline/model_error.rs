@@ -60,6 +60,15 @@ pub enum ModelError {
         /// How far it misses, and what there is.
         help: String,
     },
+    /// The faces of two selectors share no vertex.
+    #[error("{place}: {what} holds where faces meet, but these share no vertex")]
+    #[diagnostic(help("`meet` takes two selectors of faces that are neighbours, such as two sides of a box"))]
+    NoEdge {
+        /// Where the support is written.
+        place: String,
+        /// The support.
+        what: String,
+    },
     /// A sliding support is not on a plane that a coordinate axis is normal to.
     #[error("{place}: {what} slides in the plane of its faces, but {problem}")]
     #[diagnostic(help("{help}"))]
@@ -119,11 +128,22 @@ pub enum ModelError {
         /// Which entry, and why it does not fit.
         problem: String,
     },
+    /// Supports that leave the part free, or contradict each other.
+    #[error("{places}: {error}")]
+    #[diagnostic(help("{help}"))]
+    Supports {
+        /// Where they are written.
+        places: String,
+        /// What is wrong with them.
+        error: Box<FemError>,
+        /// What to do.
+        help: String,
+    },
     /// The mesh with its groups and corners is not sound.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Mesh(#[from] MeshError),
-    /// Supports contradict each other, or an expression has no finite value.
+    /// An expression has no finite value, or a material is out of range.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Fem(#[from] FemError),

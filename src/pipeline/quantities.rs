@@ -153,6 +153,13 @@ pub(super) fn probe_file(name: &str) -> String {
     format!("probe_{name}.csv")
 }
 
+/// How many points of each probe lie in the mesh.
+pub(super) fn points_inside(probes: &[Probe], mesh: &TetMesh) -> Vec<usize> {
+    let locator = LazyCell::new(|| Locator::new(mesh));
+    let inside = |p: &DVec3| locator.nearest(*p).distance <= OUTSIDE * mesh.diagonal();
+    probes.iter().map(|probe| line(probe).iter().filter(|p| inside(p)).count()).collect()
+}
+
 /// Writes the probes of a solution, a file each; points outside the mesh have no values.
 pub(super) fn write_probes(
     folder: &Path,

@@ -1,13 +1,14 @@
 //! From a scenario and a mesh to a model: selectors become groups, materials find their regions, features are found.
 
 use super::{ModelError, hints, loading, quantities, select};
-use crate::fem::{self, Model};
+use crate::fem::{self, FemError, Model};
 use crate::field::Field;
 use crate::mesh::midside::Midside;
 use crate::mesh::{GroupId, TetMesh, features, features::face_normal, topology};
 use crate::output::report::Selection;
 use crate::scenario::{Load, LoadKind, Material, Scenario, Selector, Support, suggest};
 use glam::DVec3;
+use miette::Diagnostic as _;
 
 /// Cosine by which a normal may miss an axis: an angle of 1e-5.
 const AXIS_TOLERANCE: f64 = 5e-11;
@@ -42,7 +43,8 @@ pub fn resolve(scenario: &Scenario, mesh: TetMesh) -> Result<Resolved, ModelErro
         return Err(ModelError::NoSupports);
     }
     let mut targets = Targets { mesh, selections: Vec::new() };
-    let supports = scenario.supports.iter().map(|s| targets.support(s)).collect::<Result<Vec<_>, _>>()?;
+    let exact = scenario.exact.as_ref().map(|e| quantities::exact(e, &chosen, &mut targets)).transpose()?;
+    let supports = scenario.supports.iter().map(|s| targets.support(s, exact)).collect::<Result<Vec<_>, _>>()?;
     let mut loads = Vec::new();
     for load in &scenario.loads {
         if let LoadKind::Gravity(_) = load.kind {
@@ -51,13 +53,37 @@ pub fn resolve(scenario: &Scenario, mesh: TetMesh) -> Result<Resolved, ModelErro
         loads.push(fem::Load { name: load.name.clone(), kind: targets.load(load)? });
     }
     let quantities = quantities::resolve(scenario, &mut targets)?;
-    let exact = scenario.exact.as_ref().map(|e| quantities::exact(e, &chosen, &mut targets)).transpose()?;
     let Targets { mesh, selections } = targets;
     let model = Model { materials: chosen.iter().map(|m| properties(m)).collect(), supports, loads };
     // A known solution brings loads that the model does not list.
-    let warnings = if exact.is_none() { loading::warnings(&mesh, &model)? } else { Vec::new() };
+    let with_place = |error| with_place(scenario, error);
+    let mut warnings = if exact.is_none() { loading::warnings(&mesh, &model).map_err(with_place)? } else { Vec::new() };
+    warnings.extend(loading::idle_supports(&mesh, &model).map_err(with_place)?);
     let mesh = with_features(scenario, mesh)?;
     Ok(Resolved { mesh, midsides: Vec::new(), model, quantities, exact, selections, warnings })
+}
+
+/// Checks that the supports stop every rigid motion of every part.
+///
+/// # Errors
+/// [`ModelError::Supports`] names the motions that are left, and where the supports of these parts are written.
+pub fn check_supports(scenario: &Scenario, problem: &Resolved) -> Result<(), ModelError> {
+    fem::check_constraints(&problem.mesh, &problem.model).map_err(|error| with_place(scenario, error))
+}
+
+/// An error of supports with the places where they are written.
+fn with_place(scenario: &Scenario, error: FemError) -> ModelError {
+    let blamed: Vec<&Support> = match &error {
+        FemError::FreeMotion { supports, .. } => supports.iter().map(|&i| &scenario.supports[i]).collect(),
+        FemError::ConflictingSupports { first, second, .. } => {
+            scenario.supports.iter().filter(|s| s.name == *first || s.name == *second).collect()
+        }
+        _ => return ModelError::Fem(error),
+    };
+    let places: Vec<&str> = blamed.iter().map(|s| s.place.as_str()).collect();
+    let places = if places.is_empty() { scenario.path.display().to_string() } else { places.join(" and ") };
+    let help = error.help().map(|h| h.to_string()).unwrap_or_default();
+    ModelError::Supports { places, error: Box::new(error), help }
 }
 
 pub(super) fn properties(m: &Material) -> fem::Material {
@@ -160,13 +186,22 @@ impl Targets {
         &self.mesh
     }
 
-    fn support(&mut self, s: &Support) -> Result<fem::Support, ModelError> {
+    fn support(&mut self, s: &Support, exact: Option<fem::Exact>) -> Result<fem::Support, ModelError> {
         let group = self.group("support", &s.name, &s.place, &s.selector)?;
+        let meets = s.meets.as_ref().map(|other| self.group("support", &s.name, &s.place, other)).transpose()?;
         let mut displacement = s.displacement.clone();
         if s.sliding {
             displacement[normal_axis(&self.mesh, group, s)?] = Some(Field::ZERO);
         }
-        Ok(fem::Support { name: s.name.clone(), group, displacement, stiffness: s.stiffness })
+        if let Some(exact) = exact.filter(|_| s.exact) {
+            displacement = [0, 1, 2].map(|c| Some(exact.displacement_field(c)));
+        }
+        let support = fem::Support { name: s.name.clone(), group, meets, displacement, stiffness: s.stiffness };
+        if support.nodes(&fem::Space::linear(&self.mesh)).is_empty() {
+            let (place, what) = (s.place.clone(), format!("support `{}`", s.name));
+            return Err(ModelError::NoEdge { place, what });
+        }
+        Ok(support)
     }
 
     fn load(&mut self, load: &Load) -> Result<fem::LoadKind, ModelError> {

@@ -9,11 +9,12 @@ use crate::error::Error;
 use crate::fem;
 use crate::mesh::quality;
 use crate::output::atomic::{ensure_writable_dir, write_atomic};
+use crate::output::options::FieldName;
 use crate::output::plot::{dihedral_histogram, error_histogram};
 use crate::output::report::{Report, write_json};
 use crate::output::vtk::{Fields, Values, write_vtu};
 use crate::output::{OutputError, pvd, table};
-use crate::scenario::{MeshSource, Scenario, Strategy};
+use crate::scenario::{MeshSource, Output, Scenario, Strategy};
 use std::path::{Component, Path, PathBuf};
 
 /// Writes what a run gives, step by step.
@@ -79,28 +80,38 @@ impl<'a> Results<'a> {
         let solution = &step.analysed.solution;
         let stress = solution.stress.means();
         let von_mises: Vec<f64> = stress.iter().map(|&s| fem::von_mises(s)).collect();
+        let output = &self.scenario.output;
         let fields = Fields {
             time: step.index as f64,
-            points: vec![
-                ("displacement", Values::Vectors(&solution.displacement)),
-                ("stress", Values::Tensors(&step.analysed.errors.nodal_stress)),
-            ],
-            cells: vec![
-                ("von_mises", Values::Scalars(&von_mises)),
-                ("stress", Values::Tensors(&stress)),
-                ("error_indicator", Values::Scalars(indicator)),
-                ("marked", Values::Flags(step.selected)),
-            ],
+            units: self.scenario.units.clone(),
+            points: chosen(
+                output,
+                vec![
+                    (FieldName::Displacement, "displacement", Values::Vectors(&solution.displacement)),
+                    (FieldName::Stress, "stress", Values::Tensors(&step.analysed.errors.nodal_stress)),
+                ],
+            ),
+            cells: chosen(
+                output,
+                vec![
+                    (FieldName::VonMises, "von_mises", Values::Scalars(&von_mises)),
+                    (FieldName::Stress, "stress", Values::Tensors(&stress)),
+                    (FieldName::ErrorIndicator, "error_indicator", Values::Scalars(indicator)),
+                    (FieldName::Marked, "marked", Values::Flags(step.selected)),
+                ],
+            ),
         };
         let name = format!("step_{:03}.vtu", step.index);
-        write_vtu(&self.path(&name), &step.analysed.space, &fields, self.scenario.output.compression)?;
+        write_vtu(&self.path(&name), &step.analysed.space, &fields, output.compression)?;
         self.files.push((fields.time, name));
         Ok(pvd::write_pvd(&self.path("results.pvd"), &self.files)?)
     }
 
     /// Writes what is known only at the end of the run.
     pub(super) fn finish(self, report: &Report) -> Result<(), Error> {
-        if self.scenario.output.vtk {
+        let output = &self.scenario.output;
+        let shown = [FieldName::Displacement, FieldName::VonMises].iter().all(|field| output.fields.contains(field));
+        if output.vtk && shown {
             pvd::write_view(&self.path("view.py"))?;
         }
         if self.scenario.output.report {
@@ -108,10 +119,16 @@ impl<'a> Results<'a> {
             let text = table::units(&report.units) + &table::steps(&report.steps);
             write_text(&self.path("table.txt"), &text)?;
             dihedral_histogram(&self.path("dihedral_angles.svg"), &self.angles)?;
-            error_histogram(&self.path("cell_errors.svg"), &self.errors)?;
+            error_histogram(&self.path("cell_errors.svg"), &self.errors, self.scenario.units.energy.as_deref())?;
         }
         Ok(())
     }
+}
+
+/// The fields that a scenario wants.
+fn chosen<'a>(output: &Output, fields: Vec<(FieldName, &'a str, Values<'a>)>) -> Vec<(&'a str, Values<'a>)> {
+    let chosen = fields.into_iter().filter(|(field, ..)| output.fields.contains(field));
+    chosen.map(|(_, name, values)| (name, values)).collect()
 }
 
 /// Writes a text file.

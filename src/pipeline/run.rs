@@ -2,12 +2,11 @@
 
 use super::doubts::ending;
 use super::quantities::failed_expectations;
-use super::resolve::{Resolved, resolve};
+use super::resolve::{Resolved, check_supports, resolve};
 use super::results::Results;
 use super::simulate::{Plan, simulate};
-use super::{RunOptions, load::load, print};
+use super::{RunOptions, load::load, print, wrapped};
 use crate::error::Error;
-use crate::fem;
 use crate::output::plot::{Axis, error_curves};
 use crate::output::progress::Progress;
 use crate::output::report::{Report, StopReason, write_json};
@@ -62,10 +61,10 @@ pub(super) fn prepare(scenario: &Scenario, options: &RunOptions) -> Result<Resol
     if !problem.midsides.is_empty() && scenario.refine.strategy != Strategy::None {
         problem.warnings.push(STRAIGHTENED.to_owned());
     }
-    fem::check_constraints(&problem.mesh, &problem.model)?;
+    check_supports(scenario, &problem)?;
     if !options.quiet {
-        let remarks = file.notes.iter().map(|n| format!("note: {n}\n"));
-        let warnings = scenario.warnings.iter().chain(&problem.warnings).map(|w| format!("warning: {w}\n"));
+        let remarks = file.notes.iter().map(|n| wrapped(&format!("note: {n}")));
+        let warnings = scenario.warnings.iter().chain(&problem.warnings).map(|w| wrapped(&format!("warning: {w}")));
         print(&format!("{}\n{}", scenario.title, remarks.chain(warnings).collect::<String>()))?;
     }
     Ok(problem)
@@ -82,9 +81,9 @@ pub(super) fn failure(scenario: &Scenario, report: &Report) -> Option<Error> {
     failed_expectations(report).or_else(|| missed_tolerance(scenario, report))
 }
 
-/// The warnings of a run, a line each; `run` names it where there are several.
+/// The warnings of a run; `run` names it where there are several.
 pub(super) fn warnings(run: &str, report: &Report) -> String {
-    report.warnings.iter().map(|w| format!("warning: {run}{w}\n")).collect()
+    report.warnings.iter().map(|w| wrapped(&format!("warning: {run}{w}"))).collect()
 }
 
 /// Plots the relative error against dofs and against seconds.

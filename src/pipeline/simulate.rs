@@ -3,6 +3,7 @@
 use super::MemoryProbe;
 use super::analyse::{Analysed, analyse};
 use super::doubts;
+use super::forecast;
 use super::quantities;
 use super::resolve::Resolved;
 use crate::adapt;
@@ -149,16 +150,10 @@ fn reason_not_to_refine(
         warnings.push(doubts::NOTHING_MARKED.to_owned());
         return Some(StopReason::Steps);
     }
-    let forecast = memory_forecast((plan.memory.peak)(), selected.len(), count, analysed.solution.info.method);
+    let (cells, scheme) = (selected.len() as f64, plan.scenario.refine.options.scheme);
+    let growth = forecast::cells_after(scheme, plan.strategy, cells, count as f64) / cells;
+    let forecast = forecast::next_bytes((plan.memory.peak)(), growth, analysed.solution.info.method);
     plan.scenario.refine.stop.max_memory.is_some_and(|most| forecast > most as f64).then_some(StopReason::MaxMemory)
-}
-
-/// Bytes that the next step will need at its peak, from those of this one. A refined cell becomes about eight. Memory
-/// grows in proportion, but for the Cholesky factor, which of a solid by nested dissection has n^(4/3) entries (George
-/// 1973, and Lipton, Rose and Tarjan 1979).
-fn memory_forecast(peak: usize, cells: usize, selected: usize, method: &str) -> f64 {
-    let growth = (cells + 7 * selected) as f64 / cells as f64;
-    peak as f64 * if method == "direct" { growth.powf(4.0 / 3.0) } else { growth }
 }
 
 /// The cells to refine; none if the run stops here.
@@ -185,17 +180,4 @@ fn record(step: &Step<'_>, problem: &Resolved, mut seconds: PhaseSeconds, unit: 
     seconds.total = seconds.computing() + seconds.write;
     let selected = step.selected.iter().filter(|s| **s).count();
     StepRecord { step: step.index, selected, seconds, ..step.analysed.record(problem, unit) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_memory_of_a_direct_solution_grows_faster_than_the_mesh() {
-        let global = |method| memory_forecast(1000, 50, 50, method);
-        assert_eq!(global("cg"), 8000.0);
-        assert!((global("direct") - 16_000.0).abs() < 1e-6);
-        assert_eq!(memory_forecast(1000, 70, 10, "cg"), 2000.0);
-    }
 }

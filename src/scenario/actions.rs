@@ -3,7 +3,7 @@
 use super::error::Fault;
 use super::fields::{field, vector_field};
 use super::numbers::{Checked, outside, vector};
-use super::raw::{Named, RawLoad, RawSupport, Table};
+use super::raw::{Named, RawLoad, RawSelector, RawSupport, Table};
 use super::selector::{KINDS, Selector, at_most_one, no_selector, one};
 use super::spanned::Spanned;
 use crate::field::{Field, VectorField};
@@ -21,10 +21,14 @@ pub struct Support {
     pub place: String,
     /// The boundary faces it acts on.
     pub selector: Selector,
+    /// If given, it acts only on the edges where these faces meet those.
+    pub meets: Option<Selector>,
     /// Prescribed displacement in x, y, z; `None` where free.
     pub displacement: [Option<Field>; 3],
     /// Whether the displacement normal to the faces, which lie in planes of one normal, is zero.
     pub sliding: bool,
+    /// Whether the displacement is that of `[exact]`.
+    pub exact: bool,
     /// Stiffness of an elastic foundation in x, y, z: force per area and displacement.
     pub stiffness: DVec3,
 }
@@ -65,6 +69,7 @@ pub(super) enum Direction {
     Y,
     Z,
     Normal,
+    Exact,
 }
 
 /// `fix`: one direction or several.
@@ -87,7 +92,7 @@ impl<'de> de::Visitor<'de> for FixedVisitor {
     type Value = Fixed;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("an array such as [\"x\", \"y\"], or \"normal\"")
+        f.write_str("an array such as [\"x\", \"y\"], \"normal\" or \"exact\"")
     }
 
     fn visit_str<E: de::Error>(self, name: &str) -> Result<Fixed, E> {
@@ -137,9 +142,9 @@ impl<'de> de::Visitor<'de> for StiffnessVisitor {
 
 type Place<'a> = &'a dyn Fn(&Range<usize>) -> String;
 
-/// The supports, by name.
-pub(super) fn supports(raw: Named<RawSupport>, place: Place) -> Checked<Vec<Support>> {
-    raw.into_iter().map(|(name, table)| support(name, table, place)).collect()
+/// The supports, by name; `known` says whether there is an exact solution.
+pub(super) fn supports(raw: Named<RawSupport>, known: bool, place: Place) -> Checked<Vec<Support>> {
+    raw.into_iter().map(|(name, table)| support(name, table, known, place)).collect()
 }
 
 /// The loads, by name.
@@ -147,7 +152,7 @@ pub(super) fn loads(raw: Named<RawLoad>, place: Place) -> Checked<Vec<Load>> {
     raw.into_iter().map(|(name, table)| load(name, table, place)).collect()
 }
 
-fn support(name: String, Table { span, value }: Table<RawSupport>, place: Place) -> Checked<Support> {
+fn support(name: String, Table { span, mut value }: Table<RawSupport>, known: bool, place: Place) -> Checked<Support> {
     let mut displacement = [None, None, None];
     if let Some(Table { value: given, .. }) = &value.displacement {
         for (slot, x) in displacement.iter_mut().zip([&given.x, &given.y, &given.z]) {
@@ -155,10 +160,18 @@ fn support(name: String, Table { span, value }: Table<RawSupport>, place: Place)
         }
     }
     let mut normal = value.symmetry.as_ref().filter(|s| *s.get_ref()).map(Spanned::span);
+    let mut exact = None;
     for direction in directions(value.fix.as_ref()) {
-        if *direction.get_ref() == Direction::Normal {
-            normal = Some(direction.span());
-            continue;
+        match direction.get_ref() {
+            Direction::Normal => {
+                normal = Some(direction.span());
+                continue;
+            }
+            Direction::Exact => {
+                exact = Some(direction.span());
+                continue;
+            }
+            _ => {}
         }
         let slot = &mut displacement[*direction.get_ref() as usize];
         if slot.is_some() {
@@ -168,20 +181,44 @@ fn support(name: String, Table { span, value }: Table<RawSupport>, place: Place)
         *slot = Some(Field::ZERO);
     }
     let prescribes = displacement.iter().any(Option::is_some);
+    if let (Some(span), true) = (&exact, prescribes || normal.is_some() || !known) {
+        let fault = Fault::new(span.clone(), "asks for the exact displacement", "of [exact], and all of it");
+        return Err(fault.help("name a solution in [exact], and nothing else here"));
+    }
     if let (Some(span), true) = (&normal, prescribes) {
         let fault = Fault::new(span.clone(), "stands beside other directions", "the normal direction alone");
         return Err(fault.help("make two supports: one for the normal direction, one for x, y, z"));
     }
     let stiffness = value.spring.as_ref().map(stiffness).transpose()?.unwrap_or(DVec3::ZERO);
-    if normal.is_none() && !prescribes && stiffness == DVec3::ZERO {
+    let free = normal.is_none() && exact.is_none() && !prescribes;
+    if free && stiffness == DVec3::ZERO {
         return Err(Fault::new(span, "prescribes nothing", "which directions?").help(
             "add fix = [\"x\", \"y\", \"z\"], displacement = { y = -0.1 } (free where not named), fix = \"normal\" \
              (sliding, symmetry) or spring = 1e6 (per area)",
         ));
     }
-    let place = place(&span);
-    let sliding = normal.is_some();
-    Ok(Support { selector: one(value.into(), &span)?, name, place, displacement, sliding, stiffness })
+    let meet = value.meet.take();
+    if let (Some(meet), true) = (&meet, normal.is_some() || stiffness != DVec3::ZERO) {
+        let fault = Fault::new(meet.span(), "is an edge, which has no normal and no area", "an edge");
+        return Err(fault.help("edges take fix = [\"x\", \"y\", \"z\"] and displacement = { .. }"));
+    }
+    let (selector, meets) = match meet {
+        None => (one(value.into(), &span)?, None),
+        Some(meet) => edge(meet, at_most_one(value.into())?)?,
+    };
+    let (sliding, exact, place) = (normal.is_some(), exact.is_some(), place(&span));
+    Ok(Support { name, place, selector, meets, displacement, sliding, exact, stiffness })
+}
+
+/// The two selectors of faces that meet at an edge; `beside` is a selector that stands beside them.
+fn edge(meet: Spanned<Vec<Table<RawSelector>>>, beside: Option<Selector>) -> Checked<(Selector, Option<Selector>)> {
+    let span = meet.span();
+    let example = "meet = [{ group = \"x-min\" }, { group = \"z-min\" }] alone: the edges where their faces meet";
+    match <[Table<RawSelector>; 2]>::try_from(meet.into_inner()) {
+        Ok([a, b]) if beside.is_none() => Ok((one(a.value, &a.span)?, Some(one(b.value, &b.span)?))),
+        Ok(_) => Err(Fault::new(span, "stands beside a selector", "faces or an edge?").help(example)),
+        Err(_) => Err(Fault::new(span, "takes two selectors", "of which faces?").help(example)),
+    }
 }
 
 /// The directions of `fix`, each with its place.

@@ -6,7 +6,7 @@ use super::numbers::{Checked, integer, outside, positive, vector, within};
 use super::raw::*;
 use super::spanned::Spanned;
 use super::*;
-use crate::output::options::PublishedStep;
+use crate::output::options::{FieldName, PublishedStep};
 use crate::subdiv::options::{Boundary, Mode, Objective, Optimise, QualityMeasure, Scheme};
 use std::ops::Range;
 
@@ -21,7 +21,7 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
     let mut warnings = Vec::new();
     let place = |span: &Range<usize>| document.place(span);
     let materials = materials(raw.materials.unwrap_or_default(), &place, &mut warnings)?;
-    let supports = actions::supports(raw.supports.unwrap_or_default(), &place)?;
+    let supports = actions::supports(raw.supports.unwrap_or_default(), raw.exact.is_some(), &place)?;
     let names: Vec<&str> = supports.iter().map(|s| s.name.as_str()).collect();
     let quantities = wanted::quantities(raw.quantities.unwrap_or_default(), &names, &place)?;
     let element = raw.analysis.and_then(|t| t.value.element).unwrap_or_default();
@@ -281,6 +281,7 @@ fn output(raw: &RawOutput) -> Output {
     Output {
         vtk: raw.vtk.unwrap_or(true),
         report: raw.report.unwrap_or(true),
+        fields: raw.fields.clone().unwrap_or_else(|| FieldName::ALL.to_vec()),
         compression: raw.compression.unwrap_or_default(),
     }
 }

@@ -24,7 +24,7 @@ pub use wanted::{Cells, Exact, Expectation, Extent, Probe, Quantity, QuantityKin
 
 use crate::adapt::options::{Estimator, Marking};
 use crate::fem::options::{Element, SolverOptions};
-use crate::output::options::{Compression, Published, Units};
+use crate::output::options::{Compression, FieldName, Published, Units};
 use crate::subdiv::options::Options;
 use serde::Deserialize as _;
 use std::path::{Path, PathBuf};
@@ -186,12 +186,14 @@ pub struct Adapt {
 }
 
 /// What a run writes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Output {
     /// VTK files of each step.
     pub vtk: bool,
     /// `report.json`.
     pub report: bool,
+    /// The fields of the solution in the VTK files.
+    pub fields: Vec<FieldName>,
     /// Compression of the VTK files.
     pub compression: Compression,
 }

@@ -6,7 +6,7 @@ use super::wanted::{RawExpectation, RawProbe};
 use super::{Midside, fields, shapes};
 use crate::adapt::options::Estimator;
 use crate::fem::options::{Element, ExactSolution, Field, Method, Total};
-use crate::output::options::{Compression, Units};
+use crate::output::options::{Compression, FieldName, Units};
 use crate::subdiv::options::{Boundary, Mode, Objective, QualityMeasure, Scheme};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, de};
@@ -96,6 +96,7 @@ pub(super) struct RawMesh {
     #[serde(rename = "plate-with-hole")]
     pub plate_with_hole: Option<Table<shapes::RawPlate>>,
     pub le10: Option<Table<shapes::RawLe10>>,
+    pub prism: Option<Table<shapes::RawPrism>>,
 }
 
 #[derive(Debug, Deserialize, JsonSchema)]
@@ -166,6 +167,7 @@ macro_rules! selector_of {
 
 selector_table!(RawSelector {});
 selector_table!(RawSupport {
+    meet: Spanned<Vec<Table<RawSelector>>>,
     fix: Spanned<Fixed>,
     symmetry: Spanned<bool>,
     displacement: Table<RawDisplacement>,
@@ -188,7 +190,7 @@ selector_table!(RawQuantity {
     reaction: Text,
     component: Spanned<Axis>,
     region: Text,
-    within: Table<RawBox>
+    within: Table<RawWithin>
 });
 selector_table!(RawExact { solution: ExactSolution });
 selector_of!(RawExact);
@@ -227,6 +229,14 @@ pub(super) struct RawBox {
     pub min: Vector,
     pub max: Vector,
     pub tolerance: Option<Number>,
+}
+
+/// A box inside the part.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawWithin {
+    pub min: Vector,
+    pub max: Vector,
 }
 
 #[derive(Debug, Deserialize, JsonSchema)]
@@ -378,6 +388,7 @@ pub(super) struct RawSolver {
 pub(super) struct RawOutput {
     pub vtk: Option<bool>,
     pub report: Option<bool>,
+    pub fields: Option<Vec<FieldName>>,
     pub compression: Option<Compression>,
 }
 

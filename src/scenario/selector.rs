@@ -2,7 +2,7 @@
 
 use super::error::Fault;
 use super::numbers::{Checked, direction, finite, not_negative, outside, positive, vector, within};
-use super::raw::{Number, RawSelector, Table};
+use super::raw::{Number, RawSelector, Table, Vector};
 use super::spanned::Spanned;
 use glam::DVec3;
 use std::ops::Range;
@@ -118,16 +118,15 @@ fn plane(raw: &super::raw::RawPlane) -> Checked<Selector> {
 }
 
 fn brick(table: &Table<super::raw::RawBox>) -> Checked<Selector> {
-    let (min, max) = brick_corners(table)?;
+    let (min, max) = brick_corners(&table.value.min, &table.value.max)?;
     Ok(Selector::Box { min, max, tolerance: tolerance(table.value.tolerance.as_ref())? })
 }
 
 /// The smallest and the largest coordinates of a box.
-pub(super) fn brick_corners(table: &Table<super::raw::RawBox>) -> Checked<(DVec3, DVec3)> {
-    let raw = &table.value;
-    let (min, max) = (vector(&raw.min)?, vector(&raw.max)?);
+pub(super) fn brick_corners(lowest: &Vector, highest: &Vector) -> Checked<(DVec3, DVec3)> {
+    let (min, max) = (vector(lowest)?, vector(highest)?);
     if min.cmpgt(max).any() {
-        return Err(outside(raw.max.span(), &max, &format!("at least `min`, {min}, in each coordinate")));
+        return Err(outside(highest.span(), &max, &format!("at least `min`, {min}, in each coordinate")));
     }
     Ok((min, max))
 }

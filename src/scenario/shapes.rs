@@ -59,6 +59,17 @@ pub enum Shape {
         /// From the inner to the outer ellipse, along them, through the thickness.
         cells: [usize; 3],
     },
+    /// A regular prism.
+    Prism {
+        /// Corners of its ends.
+        sides: usize,
+        /// Distance of its edges from its axis.
+        radius: f64,
+        /// Length.
+        length: f64,
+        /// Rings around the axis, layers along it.
+        cells: [usize; 2],
+    },
 }
 
 #[derive(Debug, Deserialize, JsonSchema)]
@@ -105,6 +116,15 @@ pub(super) struct RawLe10 {
     cells: Spanned<Vec<i64>>,
 }
 
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawPrism {
+    sides: Spanned<i64>,
+    radius: Number,
+    length: Number,
+    cells: Spanned<Vec<i64>>,
+}
+
 /// The shapes that `[mesh]` names, each with the place of its table.
 pub(super) fn all(raw: &mut RawMesh) -> Checked<Vec<(Range<usize>, Shape)>> {
     let shapes = [
@@ -115,6 +135,7 @@ pub(super) fn all(raw: &mut RawMesh) -> Checked<Vec<(Range<usize>, Shape)>> {
         raw.sphere_shell.take().map(|t| (t.span.clone(), shell(&t.value))),
         raw.plate_with_hole.take().map(|t| (t.span.clone(), plate(&t.value))),
         raw.le10.take().map(|t| (t.span.clone(), cells(&t.value.cells).map(|cells| Shape::Le10 { cells }))),
+        raw.prism.take().map(|t| (t.span.clone(), prism(&t.value))),
     ];
     shapes.into_iter().flatten().map(|(span, shape)| Ok((span, shape?))).collect()
 }
@@ -142,6 +163,12 @@ fn plate(raw: &RawPlate) -> Checked<Shape> {
         return Err(outside(raw.radius.span(), &radius, &format!("below `size`, {size}")));
     }
     Ok(Shape::PlateWithHole { radius, size, thickness: positive(&raw.thickness)?, cells: cells(&raw.cells)? })
+}
+
+fn prism(raw: &RawPrism) -> Checked<Shape> {
+    let (radius, length) = (positive(&raw.radius)?, positive(&raw.length)?);
+    let sides = super::numbers::integer(&raw.sides, 3..=MAX_CELLS)?;
+    Ok(Shape::Prism { sides, radius, length, cells: cells(&raw.cells)? })
 }
 
 fn radii(raw: &Spanned<Vec<f64>>) -> Checked<[f64; 2]> {

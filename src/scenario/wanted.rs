@@ -231,7 +231,8 @@ fn extent(raw: RawQuantity) -> Checked<Extent> {
     let within = raw.within.take();
     let inside = raw.region.as_ref().map(Spanned::span).or(within.as_ref().map(|t| t.span.clone()));
     cells.region = raw.region.take().map(Spanned::into_inner);
-    cells.within = within.as_ref().map(brick_corners).transpose()?.map(|(min, max)| [min, max]);
+    cells.within =
+        within.as_ref().map(|w| brick_corners(&w.value.min, &w.value.max)).transpose()?.map(|(min, max)| [min, max]);
     match (at_most_one(raw.into())?, inside) {
         (Some(_), Some(inside)) => Err(Fault::new(inside, "stands beside a selector of faces", "faces or cells?")
             .help("keep one of them: selectors choose boundary faces, `region` and `within` the inside")),

@@ -1,8 +1,8 @@
 //! Meshes made of the bricks of a lattice, each cut into six tetrahedra around its main diagonal (the Kuhn or Freudenthal
 //! triangulation), and put in their places by a map.
 
-use super::{MAX_CELLS, brick};
-use crate::mesh::{Face, GroupId, MeshError, PatchId, RegionId, TetMesh, TetMeshParts, quality, topology};
+use super::{MAX_CELLS, Takes, brick, tagged_mesh};
+use crate::mesh::{MeshError, TetMesh, quality};
 use glam::DVec3;
 
 /// Coordinates of a point of the lattice.
@@ -41,26 +41,10 @@ impl Lattice<'_> {
             _ => return refuse(format!("{:?} cells are more than {MAX_CELLS} tetrahedra", self.cells)),
         }
         let (points, lattice, tets) = self.used(self.tets());
-        let mut mesh = TetMeshParts {
-            faces: self.faces(&tets, &lattice),
-            regions: vec![RegionId(0); tets.len()],
-            levels: vec![0; tets.len()],
-            region_names: vec!["solid".to_owned()],
-            groups: self.groups.iter().map(|(name, _)| (*name).to_owned()).collect(),
-            patches: (0..self.groups.len() as u32).map(|g| vec![GroupId(g)]).collect(),
-            points,
-            tets,
-            ..TetMeshParts::default()
-        };
-        mesh.patches.push(Vec::new());
-        match TetMesh::new(mesh) {
-            Err(MeshError::NotPositive { .. }) => refuse(
-                "its tetrahedra have no volume beyond rounding: make its measures more alike, or ask for other \
-                        numbers of cells"
-                    .to_owned(),
-            ),
-            mesh => mesh,
-        }
+        let at = |v: u32| lattice[v as usize];
+        let takes: Vec<_> = self.groups.iter().map(|(_, takes)| move |v: u32| takes(at(v))).collect();
+        let groups = self.groups.iter().zip(&takes).map(|((name, _), takes)| (*name, takes as Takes<'_>));
+        tagged_mesh(self.name, points, tets, &groups.collect::<Vec<_>>())
     }
 
     /// Points along each axis.
@@ -110,14 +94,5 @@ impl Lattice<'_> {
         };
         let tets = tets.into_iter().map(positive).collect();
         (points, lattice, tets)
-    }
-
-    fn faces(&self, tets: &[[u32; 4]], lattice: &[At]) -> Vec<Face> {
-        let patch = |vertices: [u32; 3]| {
-            let takes = |(_, takes): &(&str, &dyn Fn(At) -> bool)| vertices.iter().all(|&v| takes(lattice[v as usize]));
-            self.groups.iter().position(takes).unwrap_or(self.groups.len())
-        };
-        let face = |vertices| Face { vertices, patch: PatchId(patch(vertices) as u32) };
-        topology::boundary_faces(tets).into_iter().map(face).collect()
     }
 }

@@ -1,8 +1,10 @@
 //! Meshes made from a few numbers.
 
 mod lattice;
+mod prism;
 mod shapes;
 
+pub use prism::prism;
 pub use shapes::{cylinder, fichera, l_prism, le10, plate_with_hole, sphere_shell, tube};
 
 use super::{Face, GroupId, MeshError, PatchId, RegionId, TetMesh, TetMeshParts, topology};
@@ -47,6 +49,42 @@ pub fn box_tets(size: [f64; 3], cells: [usize; 3]) -> Result<TetMesh, MeshError>
         MeshError::NotPositive { .. } => MeshError::Generator(too_flat(size, cells)),
         other => other,
     })
+}
+
+/// Whether a group takes a vertex.
+type Takes<'a> = &'a dyn Fn(u32) -> bool;
+
+/// A mesh of the region "solid"; a boundary face belongs to the first group that takes all its vertices.
+fn tagged_mesh(
+    name: &str,
+    points: Vec<DVec3>,
+    tets: Vec<[u32; 4]>,
+    groups: &[(&str, Takes<'_>)],
+) -> Result<TetMesh, MeshError> {
+    let patch = |vertices: [u32; 3]| {
+        let takes = |(_, takes): &(&str, Takes<'_>)| vertices.iter().all(|&v| takes(v));
+        groups.iter().position(takes).unwrap_or(groups.len())
+    };
+    let face = |vertices| Face { vertices, patch: PatchId(patch(vertices) as u32) };
+    let parts = TetMeshParts {
+        faces: topology::boundary_faces(&tets).into_iter().map(face).collect(),
+        regions: vec![RegionId(0); tets.len()],
+        levels: vec![0; tets.len()],
+        region_names: vec!["solid".to_owned()],
+        groups: groups.iter().map(|(name, _)| (*name).to_owned()).collect(),
+        // The last one is that of faces without a group.
+        patches: (0..groups.len() as u32).map(|g| vec![GroupId(g)]).chain([Vec::new()]).collect(),
+        points,
+        tets,
+        ..TetMeshParts::default()
+    };
+    match TetMesh::new(parts) {
+        Err(MeshError::NotPositive { .. }) => Err(MeshError::Generator(format!(
+            "{name}: its tetrahedra have no volume beyond rounding: make its measures more alike, or ask for other \
+             numbers of cells"
+        ))),
+        mesh => mesh,
+    }
 }
 
 /// Says that bricks are so long and thin that the volumes of their tetrahedra are rounding.

@@ -50,16 +50,18 @@ pub fn dihedral_histogram(path: &Path, steps: &[(String, Vec<f64>)]) -> Result<(
 }
 
 /// Histograms of the error indicator eta_K of the cells (energy norm) on a logarithmic axis; one label and the
-/// indicators of all cells for each step. Cells eight decades below the largest, or without error, count in the first bin.
+/// indicators of all cells for each step, and the unit of energy if one was declared. Cells eight decades below the largest, or without error, count in the first bin.
 ///
 /// # Errors
 /// [`OutputError::Write`] names `path`.
-pub fn error_histogram(path: &Path, steps: &[(String, Vec<f64>)]) -> Result<(), OutputError> {
+pub fn error_histogram(path: &Path, steps: &[(String, Vec<f64>)], unit: Option<&str>) -> Result<(), OutputError> {
+    let unit = unit.map_or(String::new(), |unit| format!(" ({unit})"));
+    let x_label = format!("estimated error of a cell in the energy norm, square root of energy{unit}");
     let logarithms: Vec<Vec<f64>> = steps.iter().map(|(_, e)| e.iter().map(|x| x.log10()).collect()).collect();
     let range = decades(logarithms.iter().flatten().copied());
     let frame = Frame {
         title: "Error of the cells",
-        x_label: "estimated error of a cell in the energy norm, square root of energy",
+        x_label: &x_label,
         bins: 8 * (range.end - range.start) as usize,
         ticks: (range.start as i32..=range.end as i32).map(f64::from).collect(),
         range,

@@ -4,6 +4,7 @@ mod arrays;
 mod decode;
 mod grid;
 mod legacy;
+mod names;
 mod xml;
 
 use super::raw::Raw;

@@ -5,6 +5,7 @@ use super::super::raw::Raw;
 use super::arrays::Type;
 use super::decode::{Compressor, Encoded, Encoding};
 use super::grid::{Grid, is_tag};
+use super::names::Names;
 use crate::mesh::{MeshError, Place};
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
@@ -24,6 +25,7 @@ struct Xml<'a> {
     piece: Piece,
     array: Option<Array>,
     pieces: usize,
+    names: Names,
 }
 
 /// The end of the file, to which arrays refer.
@@ -44,6 +46,7 @@ enum Section {
     Points,
     Cells,
     CellData,
+    FieldData,
     Other,
 }
 
@@ -69,7 +72,8 @@ pub(super) fn read(path: &Path, bytes: &[u8], raw: &mut Raw) -> Result<&'static 
     let encoding = Encoding { big_endian: false, header_bytes: 4, compressor: Compressor::None };
     let appended = appended(&bytes[head..]);
     let (section, piece) = (Section::Other, Piece::default());
-    let mut xml = Xml { path, encoding, appended, at: 0, section, piece, array: None, pieces: 0 };
+    let mut xml =
+        Xml { path, encoding, appended, at: 0, section, piece, array: None, pieces: 0, names: Names::default() };
     let mut reader = Reader::from_reader(&bytes[..head]);
     let mut skipped = 0;
     loop {
@@ -93,6 +97,9 @@ pub(super) fn read(path: &Path, bytes: &[u8], raw: &mut Raw) -> Result<&'static 
     }
     if xml.pieces == 0 {
         return Err(xml.error("expected </Piece>, found the end of the grid", DAMAGED));
+    }
+    if xml.pieces == 1 {
+        xml.names.apply(raw, xml.at);
     }
     if skipped > 0 {
         raw.notes.push(format!("{skipped} cells that are no tetrahedra or triangles are ignored."));
@@ -146,7 +153,8 @@ impl Xml<'_> {
             b"Points" => self.section = Section::Points,
             b"Cells" => self.section = Section::Cells,
             b"CellData" => self.section = Section::CellData,
-            b"PointData" | b"FieldData" => self.section = Section::Other,
+            b"FieldData" => self.section = Section::FieldData,
+            b"PointData" => self.section = Section::Other,
             b"DataArray" | b"Array" => {
                 self.array = Some(Array {
                     name: self.value(tag, "Name")?,
@@ -195,12 +203,17 @@ impl Xml<'_> {
     fn end(&mut self, name: &[u8], raw: &mut Raw) -> Result<usize, MeshError> {
         match name {
             b"DataArray" | b"Array" => {
-                let wanted = |array: &Array| match self.section {
+                let section = self.section;
+                let wanted = |array: &Array| match section {
                     Section::Points | Section::Cells => true,
                     Section::CellData => array.components == 1 && is_tag(&array.name),
-                    Section::Other => false,
+                    Section::FieldData | Section::Other => false,
                 };
-                self.piece.arrays.extend(self.array.take().filter(wanted).map(|array| (self.section, array)));
+                let array = self.array.take();
+                if let (Section::FieldData, Some(array)) = (section, &array) {
+                    self.keep_names(array)?;
+                }
+                self.piece.arrays.extend(array.filter(wanted).map(|array| (section, array)));
             }
             b"Points" | b"Cells" | b"CellData" | b"PointData" | b"FieldData" => self.section = Section::Other,
             b"Piece" => {
@@ -214,6 +227,20 @@ impl Xml<'_> {
             }
         }
         Ok(0)
+    }
+
+    /// Keeps an array of the field data if it holds names.
+    fn keep_names(&mut self, array: &Array) -> Result<(), MeshError> {
+        let mut names = std::mem::take(&mut self.names);
+        if let Some(slot) = names.slot(&array.name) {
+            let numbers = self.decode(array);
+            *slot = numbers.map_err(|message| {
+                let message = format!("array {:?}: {message}", array.name);
+                error_at(self.path, Place::Byte(array.at as usize), message, DAMAGED)
+            })?;
+        }
+        self.names = names;
+        Ok(())
     }
 
     /// The arrays of the piece that has ended.
@@ -255,7 +282,9 @@ impl Xml<'_> {
     }
 
     fn decode(&self, array: &Array) -> Result<Vec<f64>, String> {
-        let kind = Type::named(&array.kind).ok_or_else(|| "its type is not read".to_owned())?;
+        // Strings are their bytes.
+        let kind = if array.kind == "String" { "UInt8" } else { &array.kind };
+        let kind = Type::named(kind).ok_or_else(|| "its type is not read".to_owned())?;
         let mut encoded = match (array.format.as_str(), &self.appended) {
             ("ascii", _) => {
                 let words = array.text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());

@@ -1,11 +1,13 @@
-//! Known solutions: their stress, the loads that make them, and the true error of a computed one.
+//! Known solutions: their displacement and stress, the loads that make them, and the true error of a computed one.
+
+mod known;
 
 use super::options::ExactSolution;
 use super::{Material, Model, Solution, Space, SymTensor, System};
+use crate::field::{Field, Function};
 use crate::mesh::GroupId;
 use glam::DVec3;
 use rayon::prelude::*;
-use std::f64::consts::PI;
 
 /// Gauss-Legendre points and weights of degree 7 on [0, 1].
 const GAUSS: [[f64; 2]; 4] = [
@@ -42,18 +44,37 @@ impl Exact {
         let (want_lo, want_hi) = match self.solution {
             ExactSolution::SmoothCube => (DVec3::ZERO, DVec3::ONE),
             ExactSolution::LameSphere => (DVec3::ZERO, DVec3::splat(2.0)),
+            ExactSolution::LPrism => (DVec3::new(-1.0, -1.0, 0.0), DVec3::ONE),
             ExactSolution::Kirsch => (DVec3::ZERO.with_z(lo.z), DVec3::splat(4.0).with_z(hi.z)),
         };
         lo.distance(want_lo) < 1e-9 && hi.distance(want_hi) < 1e-9
+    }
+
+    /// Displacement at a point.
+    #[must_use]
+    pub fn displacement(&self, x: DVec3) -> DVec3 {
+        match self.solution {
+            ExactSolution::SmoothCube => known::smooth_cube(x),
+            ExactSolution::LameSphere => known::lame_sphere_displacement(x, &self.material),
+            ExactSolution::Kirsch => known::kirsch_displacement(x, &self.material),
+            ExactSolution::LPrism => known::l_prism_displacement(x, &self.material),
+        }
+    }
+
+    /// Component `c` of the displacement, to be prescribed.
+    #[must_use]
+    pub fn displacement_field(self, c: usize) -> Field {
+        Field::Function(Function::new("exact", move |x| self.displacement(x)[c]))
     }
 
     /// Stress at a point.
     #[must_use]
     pub fn stress(&self, x: DVec3) -> SymTensor {
         match self.solution {
-            ExactSolution::SmoothCube => self.material.stress(smooth_cube_strain(x)),
-            ExactSolution::LameSphere => lame_sphere(x),
-            ExactSolution::Kirsch => kirsch(x, self.material.poissons_ratio),
+            ExactSolution::SmoothCube => self.material.stress(known::smooth_cube_strain(x)),
+            ExactSolution::LameSphere => known::lame_sphere(x),
+            ExactSolution::Kirsch => known::kirsch(x, self.material.poissons_ratio),
+            ExactSolution::LPrism => known::l_prism(x, self.material.poissons_ratio),
         }
     }
 
@@ -61,8 +82,7 @@ impl Exact {
     #[must_use]
     pub fn body_force(&self, x: DVec3) -> DVec3 {
         match self.solution {
-            // The displacement has no divergence and is an eigenfunction of the Laplacian.
-            ExactSolution::SmoothCube => 3.0 * PI * PI * self.material.mu() * smooth_cube(x),
+            ExactSolution::SmoothCube => known::smooth_cube_force(x, &self.material),
             _ => DVec3::ZERO,
         }
     }
@@ -114,40 +134,6 @@ impl Exact {
     }
 }
 
-/// u = (sin x cos y cos z, -2 cos x sin y cos z, cos x cos y sin z) in units of 1 / pi.
-fn smooth_cube(x: DVec3) -> DVec3 {
-    let [(sx, cx), (sy, cy), (sz, cz)] = x.to_array().map(|x| (PI * x).sin_cos());
-    DVec3::new(sx * cy * cz, -2.0 * cx * sy * cz, cx * cy * sz)
-}
-
-fn smooth_cube_strain(x: DVec3) -> SymTensor {
-    let [(sx, cx), (sy, cy), (sz, cz)] = x.to_array().map(|x| (PI * x).sin_cos());
-    let own = PI * cx * cy * cz;
-    [own, -2.0 * own, own, 0.5 * PI * sx * sy * cz, 0.5 * PI * cx * sy * sz, -PI * sx * cy * sz]
-}
-
-/// A hollow sphere of radii 1 and 2 under an inner pressure of 1.
-fn lame_sphere(x: DVec3) -> SymTensor {
-    let r = x.length();
-    let (radial, tangential) = ((1.0 - 8.0 / r.powi(3)) / 7.0, (1.0 + 4.0 / r.powi(3)) / 7.0);
-    let n = x / r;
-    let entry = |i: usize, j: usize| (radial - tangential) * n[i] * n[j] + if i == j { tangential } else { 0.0 };
-    [entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(1, 2), entry(0, 2)]
-}
-
-/// A plate with a hole of radius 1 under a far tension of 1 along x, in plane strain.
-fn kirsch(x: DVec3, nu: f64) -> SymTensor {
-    let q = 1.0 / (x.x * x.x + x.y * x.y);
-    let (sin, cos) = x.y.atan2(x.x).sin_cos();
-    let (sin2, cos2) = (2.0 * sin * cos, cos * cos - sin * sin);
-    let rr = 0.5 * (1.0 - q) + 0.5 * (1.0 - 4.0 * q + 3.0 * q * q) * cos2;
-    let tt = 0.5 * (1.0 + q) - 0.5 * (1.0 + 3.0 * q * q) * cos2;
-    let rt = -0.5 * (1.0 + 2.0 * q - 3.0 * q * q) * sin2;
-    let xx = rr * cos * cos + tt * sin * sin - rt * sin2;
-    let yy = rr * sin * sin + tt * cos * cos + rt * sin2;
-    [xx, yy, nu * (rr + tt), 0.5 * (rr - tt) * sin2 + rt * cos2, 0.0, 0.0]
-}
-
 /// The force on an area vector, `s n`.
 fn traction(s: SymTensor, n: DVec3) -> DVec3 {
     DVec3::new(
@@ -176,6 +162,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    const ALL: [ExactSolution; 4] =
+        [ExactSolution::SmoothCube, ExactSolution::LameSphere, ExactSolution::Kirsch, ExactSolution::LPrism];
     const MATERIAL: Material = Material { youngs_modulus: 2.0, poissons_ratio: 0.3, density: 0.0 };
 
     #[test]
@@ -193,7 +181,7 @@ mod tests {
         /// Each known stress is in balance with its body force.
         #[test]
         fn the_divergence_of_the_stress_is_minus_the_body_force(x in prop::array::uniform3(0.6_f64..1.2)) {
-            for solution in [ExactSolution::SmoothCube, ExactSolution::LameSphere, ExactSolution::Kirsch] {
+            for solution in ALL {
                 let exact = Exact { solution, material: MATERIAL, tractions: None };
                 let (x, h) = (DVec3::from_array(x), 1e-5);
                 let along = |axis: usize| {
@@ -206,19 +194,50 @@ mod tests {
             }
         }
 
-        /// The strain is that of the displacement, whose divergence is zero.
+        /// Each known stress is that of the symmetric gradient of the displacement.
         #[test]
-        fn the_strain_of_the_smooth_cube_is_the_symmetric_gradient(x in prop::array::uniform3(0.0_f64..1.0)) {
-            let (x, h) = (DVec3::from_array(x), 1e-5);
-            let d = [0, 1, 2].map(|axis| {
-                let step = h * DVec3::AXES[axis];
-                (smooth_cube(x + step) - smooth_cube(x - step)) / (2.0 * h)
-            });
-            let strain = smooth_cube_strain(x);
-            for (entry, (i, j)) in strain.into_iter().zip([(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)]) {
-                prop_assert!((entry - 0.5 * (d[i][j] + d[j][i])).abs() < 1e-8);
+        fn the_stress_is_that_of_the_displacement(x in prop::array::uniform3(0.6_f64..1.2)) {
+            for solution in ALL {
+                let exact = Exact { solution, material: MATERIAL, tractions: None };
+                let (x, h) = (DVec3::from_array(x), 1e-5);
+                let d = [0, 1, 2].map(|axis| {
+                    let step = h * DVec3::AXES[axis];
+                    (exact.displacement(x + step) - exact.displacement(x - step)) / (2.0 * h)
+                });
+                let pairs = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)];
+                let stress = MATERIAL.stress(pairs.map(|(i, j)| 0.5 * (d[i][j] + d[j][i])));
+                for (a, b) in stress.into_iter().zip(exact.stress(x)) {
+                    prop_assert!((a - b).abs() < 1e-7, "{solution:?}: {stress:?} {:?}", exact.stress(x));
+                }
             }
-            prop_assert!((strain[0] + strain[1] + strain[2]).abs() < 1e-12);
         }
+    }
+
+    /// The re-entrant faces of the L-prism carry no load, and its energy is known to 14 digits.
+    #[test]
+    fn the_l_prism_is_free_at_its_notch_and_has_the_known_energy() {
+        let material = Material { youngs_modulus: 1.0, ..MATERIAL };
+        let exact = Exact { solution: ExactSolution::LPrism, material, tractions: None };
+        for r in [0.1, 0.5, 1.0] {
+            for (x, n) in [(DVec3::new(0.0, -r, 0.3), DVec3::NEG_X), (DVec3::new(-r, 0.0, 0.3), DVec3::NEG_Y)] {
+                assert!(traction(exact.stress(x), n).length() < 1e-12, "{x}");
+            }
+        }
+        // Half the work of the tractions on the outer sides is half a(u, u): Gauss on their four straight halves.
+        let side = |from: DVec3, to: DVec3, n: DVec3| {
+            let pieces = 400;
+            let piece = |i: usize| {
+                let at = |t: f64| from.lerp(to, (i as f64 + t) / pieces as f64);
+                let work = |x: DVec3| traction(exact.stress(x), n).dot(exact.displacement(x));
+                GAUSS.iter().map(|[t, w]| w * work(at(*t))).sum::<f64>() * from.distance(to) / pieces as f64
+            };
+            (0..pieces).map(piece).sum::<f64>()
+        };
+        let p = |x: f64, y: f64| DVec3::new(x, y, 0.0);
+        let energy = side(p(1.0, -1.0), p(1.0, 1.0), DVec3::X)
+            + side(p(-1.0, 1.0), p(1.0, 1.0), DVec3::Y)
+            + side(p(-1.0, 0.0), p(-1.0, 1.0), DVec3::NEG_X)
+            + side(p(0.0, -1.0), p(1.0, -1.0), DVec3::NEG_Y);
+        assert!((energy - 28.172_983_101_124).abs() < 1e-9, "{energy}");
     }
 }

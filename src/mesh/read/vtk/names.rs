@@ -1,0 +1,55 @@
+//! Names of regions and groups in the field data of our own files.
+
+use super::super::raw::Raw;
+
+/// Arrays of the field data.
+#[derive(Debug, Default)]
+pub(super) struct Names {
+    pub(super) regions: Vec<f64>,
+    pub(super) groups: Vec<f64>,
+    /// Rows of a group's number and three points.
+    pub(super) faces: Vec<f64>,
+}
+
+impl Names {
+    /// Where an array of that name goes, if it is one of ours.
+    pub(super) fn slot(&mut self, name: &str) -> Option<&mut Vec<f64>> {
+        match name {
+            "region_names" => Some(&mut self.regions),
+            "group_names" => Some(&mut self.groups),
+            "group_faces" => Some(&mut self.faces),
+            _ => None,
+        }
+    }
+
+    /// Names the regions, and adds the faces of the groups. Other programs may have cut the mesh or joined it with another:
+    /// faces that are no longer there count as triangles inside, which are passed over.
+    pub(super) fn apply(&self, raw: &mut Raw, place: u64) {
+        raw.region_names.extend((0..).zip(strings(&self.regions)));
+        let groups = strings(&self.groups);
+        let points = raw.nodes.positions.len() as f64;
+        let sound = |row: &[f64]| {
+            row[0] >= 0.0 && row[0] < groups.len() as f64 && row[1..].iter().all(|v| (0.0..points).contains(v))
+        };
+        if !self.faces.len().is_multiple_of(4) || !self.faces.chunks_exact(4).all(sound) {
+            raw.notes.push("the groups of the file do not fit its mesh and are ignored.".to_owned());
+            return;
+        }
+        let first = (raw.tets.nodes.len() + raw.triangles.nodes.len()) as u32;
+        for (i, row) in (0..).zip(self.faces.chunks_exact(4)) {
+            let [a, b, c] = [row[1], row[2], row[3]].map(|v| v as u32);
+            raw.triangle(first + i, [a, b, c], [row[0] as i32 + 1, 0], place);
+        }
+        raw.group_names.extend((1..).zip(groups));
+    }
+}
+
+/// Strings of bytes, each ended by a zero.
+fn strings(codes: &[f64]) -> Vec<String> {
+    let bytes: Vec<u8> = codes.iter().map(|&code| code as u8).collect();
+    let mut strings: Vec<String> =
+        bytes.split(|&byte| byte == 0).map(|text| String::from_utf8_lossy(text).into_owned()).collect();
+    // What follows the last zero.
+    strings.pop();
+    strings
+}

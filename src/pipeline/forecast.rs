@@ -1,0 +1,291 @@
+//! How large the meshes of a run will be and what memory they take, told before it runs.
+
+use crate::adapt::options::Marking;
+use crate::fem::options::{Element, Method};
+use crate::mesh::{TetMesh, surface, topology};
+use crate::scenario::{Scenario, Strategy};
+use crate::subdiv::options::{Boundary, Mode, Scheme};
+use serde::Serialize;
+
+/// Bytes of an analysis, and of the refinement to its mesh, that do not depend on the mesh, and those a cell. Measured on
+/// the bundled scenarios and on red refinements of the tripod up to 1.4 million cells (within a factor of 1.7).
+const BASE_BYTES: f64 = 70e6;
+const BYTES_A_CELL: f64 = 600.0;
+
+/// Those a cell of ten nodes.
+const BYTES_A_QUADRATIC_CELL: f64 = 6000.0;
+
+/// Entries of the Cholesky factor of a bulky solid, as a multiple of `dofs^(4/3)`: measured on boxes of 20,000 and 100,000
+/// unknowns. Slender parts have fewer.
+const FACTOR: f64 = 20.0;
+
+/// The mesh of a step.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub(super) struct Step {
+    pub step: usize,
+    pub cells: usize,
+    pub nodes: usize,
+    /// Three a node of the elements, which are on the edges too where they are quadratic.
+    pub dofs: usize,
+    /// At the peak of its analysis.
+    pub bytes: u64,
+    /// Whether the numbers of cells and nodes are counts; else they are estimates.
+    pub exact: bool,
+}
+
+/// What a run may make.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct Forecast {
+    pub steps: Vec<Step>,
+    /// Why there are no more steps.
+    pub end: String,
+    /// Memory that programs can get now, where the system tells.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub free_bytes: Option<u64>,
+}
+
+impl Forecast {
+    /// The forecast of a scenario from its input mesh.
+    pub(super) fn of(scenario: &Scenario, mesh: &TetMesh) -> Self {
+        let refine = &scenario.refine;
+        let mut sizes = Sizes::of(mesh);
+        let mut exact = true;
+        let mut steps = Vec::new();
+        let end = loop {
+            steps.push(sizes.step(steps.len(), exact, scenario));
+            if refine.strategy == Strategy::None {
+                break "refine.strategy = \"none\"".to_owned();
+            }
+            if steps.len() > refine.steps {
+                break format!("steps = {}", refine.steps);
+            }
+            if let Some(most) = refine.stop.max_cells.filter(|most| sizes.cells >= *most as f64) {
+                break format!("max_cells = {most}");
+            }
+            let Some(next) = sizes.refined(scenario) else {
+                break "further steps depend on the solution: the marking is by a threshold".to_owned();
+            };
+            let bytes = next.bytes(scenario);
+            if let Some(most) = refine.stop.max_memory.filter(|most| bytes > *most as f64) {
+                break format!("max_memory = {most}, the next step would take {}", size(bytes as u64));
+            }
+            sizes = next;
+            // Red refinement counts exactly, all else depends on what the optimiser finds.
+            exact &= refine.options.scheme == Scheme::Red && refine.options.optimise.mode == Mode::Paper;
+        };
+        Self { steps, end, free_bytes: free_bytes() }
+    }
+
+    /// The first step that takes more memory than is free.
+    pub(super) fn too_large(&self) -> Option<&Step> {
+        self.free_bytes.and_then(|free| self.steps.iter().find(|s| s.bytes > free))
+    }
+}
+
+/// Counts of a mesh; estimates are no whole numbers.
+#[derive(Debug, Clone, Copy)]
+struct Sizes {
+    cells: f64,
+    nodes: f64,
+    edges: f64,
+    /// Triangles of the boundary.
+    boundary: f64,
+    /// Triangles and edges of the boundary and of interfaces between regions.
+    surface: f64,
+    surface_edges: f64,
+}
+
+impl Sizes {
+    fn of(mesh: &TetMesh) -> Self {
+        let surface = surface::surface_faces(mesh);
+        Self {
+            cells: mesh.tets().len() as f64,
+            nodes: mesh.points().len() as f64,
+            edges: topology::edges(mesh.tets()).len() as f64,
+            boundary: mesh.faces().len() as f64,
+            surface: surface.len() as f64,
+            surface_edges: surface::surface_edges(&surface).len() as f64,
+        }
+    }
+
+    fn dofs(&self, element: Element) -> f64 {
+        3.0 * match element {
+            Element::Tet4 => self.nodes,
+            Element::Tet10 => self.nodes + self.edges,
+        }
+    }
+
+    fn bytes(&self, scenario: &Scenario) -> f64 {
+        let direct = scenario.solver.method == Method::Direct;
+        let factor = if direct { 8.0 * FACTOR * self.dofs(scenario.element).powf(4.0 / 3.0) } else { 0.0 };
+        let a_cell = match scenario.element {
+            Element::Tet4 => BYTES_A_CELL,
+            Element::Tet10 => BYTES_A_QUADRATIC_CELL,
+        };
+        BASE_BYTES + a_cell * self.cells + factor
+    }
+
+    fn step(&self, step: usize, exact: bool, scenario: &Scenario) -> Step {
+        let [cells, nodes, dofs] = [self.cells, self.nodes, self.dofs(scenario.element)].map(|x| x.round() as usize);
+        Step { step, cells, nodes, dofs, bytes: self.bytes(scenario) as u64, exact }
+    }
+
+    /// The mesh of the next step; `None` where only the solution knows.
+    fn refined(&self, scenario: &Scenario) -> Option<Self> {
+        let options = &scenario.refine.options;
+        let all = match options.scheme {
+            Scheme::Red => self.red(),
+            Scheme::Sqrt3 => self.sqrt3(options.boundary),
+            Scheme::LongestEdge => self.bisected(),
+        };
+        if scenario.refine.strategy == Strategy::Global {
+            return Some(all);
+        }
+        let share = share(scenario.adapt.marking, scenario.adapt.grow)?;
+        let cells = cells_after(options.scheme, Strategy::Adaptive, self.cells, share * self.cells);
+        // Nodes come with cells as they do in global refinement.
+        let part = (cells - self.cells) / (all.cells - self.cells);
+        let mix = |old: f64, new: f64| old + part * (new - old);
+        Some(Self {
+            cells,
+            nodes: mix(self.nodes, all.nodes),
+            edges: mix(self.edges, all.edges),
+            boundary: mix(self.boundary, all.boundary),
+            surface: mix(self.surface, all.surface),
+            surface_edges: mix(self.surface_edges, all.surface_edges),
+        })
+    }
+
+    /// Every edge is halved, every face gets three new edges and every cell one.
+    fn red(&self) -> Self {
+        let faces = (4.0 * self.cells + self.boundary) / 2.0;
+        Self {
+            cells: cells_after(Scheme::Red, Strategy::Global, self.cells, self.cells),
+            nodes: self.nodes + self.edges,
+            edges: 2.0 * self.edges + 3.0 * faces + self.cells,
+            boundary: 4.0 * self.boundary,
+            surface: 4.0 * self.surface,
+            surface_edges: 2.0 * self.surface_edges + 3.0 * self.surface,
+        }
+    }
+
+    /// Every cell gets a vertex, and every edge of the surface, or else every face of it.
+    fn sqrt3(&self, boundary: Boundary) -> Self {
+        let (new, faces) = match boundary {
+            Boundary::Fixed => (self.surface_edges, 4.0),
+            Boundary::Approximating | Boundary::Interpolating => (self.surface, 3.0),
+        };
+        let cells = cells_after(Scheme::Sqrt3, Strategy::Global, self.cells, self.cells);
+        let nodes = self.nodes + self.cells + new;
+        Self {
+            cells,
+            nodes,
+            // Euler: V - E + F - T hardly changes beside them.
+            edges: nodes + cells + 0.5 * faces * self.boundary,
+            boundary: faces * self.boundary,
+            surface: faces * self.surface,
+            surface_edges: 1.5 * faces * self.surface,
+        }
+    }
+
+    /// Cells and what they consist of grow alike.
+    fn bisected(&self) -> Self {
+        let cells = cells_after(Scheme::LongestEdge, Strategy::Global, self.cells, self.cells);
+        let growth = cells / self.cells;
+        let surface_growth = growth.powf(2.0 / 3.0);
+        Self {
+            cells,
+            nodes: growth * self.nodes,
+            edges: growth * self.edges,
+            boundary: surface_growth * self.boundary,
+            surface: surface_growth * self.surface,
+            surface_edges: surface_growth * self.surface_edges,
+        }
+    }
+}
+
+/// The number of cells after `selected` of them are refined. Exact for red refinement; else measured on the bundled
+/// scenarios: neighbours take part, and sqrt(3) flips fewer faces where refined cells are scattered.
+pub(super) fn cells_after(scheme: Scheme, strategy: Strategy, cells: f64, selected: f64) -> f64 {
+    let added = match (scheme, strategy) {
+        (Scheme::Red, _) => 7.0,
+        (Scheme::Sqrt3, Strategy::Adaptive) => 5.0,
+        (Scheme::Sqrt3, _) => 7.2,
+        (Scheme::LongestEdge, Strategy::Adaptive) => 3.6,
+        (Scheme::LongestEdge, _) => 2.6,
+    };
+    cells + added * selected
+}
+
+/// The share of the cells that a marking selects; measured on the bundled scenarios, but for a fraction. `None` where only
+/// the solution knows. Scattered cells have two neighbours in a ring that are not selected yet.
+fn share(marking: Marking, rings: usize) -> Option<f64> {
+    let marked = match marking {
+        Marking::Fraction(share) => share,
+        Marking::Doerfler(share) => 0.8 * share * share,
+        Marking::Maximum(share) => (1.0 - share) * (1.0 - share) / 3.0,
+        Marking::Threshold(_) => return None,
+    };
+    Some(1.0 - (1.0 - marked).powi(1 + 2 * rings as i32))
+}
+
+/// Bytes that the next step will need at its peak, from those of this one, of which `selected` cells are refined. Memory
+/// grows with the cells, but for the Cholesky factor, which of a solid by nested dissection has n^(4/3) entries (George
+/// 1973, and Lipton, Rose and Tarjan 1979).
+pub(super) fn next_bytes(peak: usize, growth: f64, method: &str) -> f64 {
+    peak as f64 * if method == "direct" { growth.powf(4.0 / 3.0) } else { growth }
+}
+
+/// Memory that programs can get without swapping, where the system tells (Linux).
+fn free_bytes() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find_map(|l| l.strip_prefix("MemAvailable:"))?;
+    Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)
+}
+
+/// Bytes in words.
+pub(super) fn size(bytes: u64) -> String {
+    let bytes = bytes as f64;
+    if bytes < 1e9 { format!("{:.0} MB", bytes / 1e6) } else { format!("{:.1} GB", bytes / 1e9) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::generate::box_tets;
+    use crate::subdiv::{self, History, options::Options};
+
+    #[test]
+    fn the_memory_of_a_direct_solution_grows_faster_than_the_mesh() {
+        let growth = |strategy, cells, selected| cells_after(Scheme::Red, strategy, cells, selected) / cells;
+        let global = growth(Strategy::Global, 50.0, 50.0);
+        assert_eq!(next_bytes(1000, global, "cg"), 8000.0);
+        assert!((next_bytes(1000, global, "direct") - 16_000.0).abs() < 1e-6);
+    }
+
+    /// Counts of the schemes' own making are met exactly: all of red refinement, the nodes of the first sqrt(3) step.
+    #[test]
+    fn counts_are_those_of_refinement() {
+        let mesh = box_tets([1.0, 2.0, 1.5], [2, 3, 2]).unwrap();
+        let all = |scheme| {
+            let options = Options { scheme, ..Options::default() };
+            subdiv::refine(&mesh, &History::default(), &vec![true; mesh.tets().len()], &options).unwrap().mesh
+        };
+        let (red, sizes) = (all(Scheme::Red), Sizes::of(&mesh));
+        for (forecast, made) in [(sizes.red(), Sizes::of(&red)), (sizes.red().red(), Sizes::of(&red).red())] {
+            assert_eq!((forecast.cells, forecast.nodes, forecast.edges), (made.cells, made.nodes, made.edges));
+            assert_eq!((forecast.boundary, forecast.surface_edges), (made.boundary, made.surface_edges));
+        }
+        let (sqrt3, forecast) = (Sizes::of(&all(Scheme::Sqrt3)), sizes.sqrt3(Boundary::Fixed));
+        assert_eq!((forecast.nodes, forecast.boundary), (sqrt3.nodes, sqrt3.boundary));
+        assert!((forecast.cells / sqrt3.cells - 1.0).abs() < 0.15, "{forecast:?} {sqrt3:?}");
+        assert!((forecast.edges / sqrt3.edges - 1.0).abs() < 0.15, "{forecast:?} {sqrt3:?}");
+    }
+
+    #[test]
+    fn rings_grow_a_selection_but_not_beyond_all() {
+        let of = |rings| share(Marking::Fraction(0.1), rings).unwrap();
+        assert!((of(0) - 0.1).abs() < 1e-12 && of(1) > 0.25 && of(100) <= 1.0);
+        assert_eq!(share(Marking::Threshold(1.0), 0), None);
+    }
+}
