@@ -7,10 +7,8 @@
 
 use super::super::options::QualityMeasure;
 use super::super::solid::{Ring, Solid};
-use super::measured;
-use crate::mesh::{Face, quality};
-use glam::DVec3;
-use smallvec::SmallVec;
+use super::star::Star;
+use crate::mesh::Face;
 
 /// What makes one filling better than another: its worst cell.
 #[derive(Clone, Copy)]
@@ -22,16 +20,9 @@ pub(crate) enum Measure {
 }
 
 impl Measure {
-    fn floor(self) -> f64 {
+    pub(super) fn floor(self) -> f64 {
         match self {
             Self::BestWorst(floor) | Self::BestWorstBy(_, floor) => floor,
-        }
-    }
-
-    fn value(self, points: [DVec3; 4]) -> f64 {
-        match self {
-            Self::BestWorst(_) => quality::positive_min_sine(points),
-            Self::BestWorstBy(measure, _) => measured::value(measure, points),
         }
     }
 }
@@ -40,8 +31,9 @@ impl Measure {
 #[derive(Default)]
 pub(crate) struct Filling {
     size: usize,
-    /// Best value of the polygon from i to j, and the vertex that makes the triangle with its chord.
-    best: Vec<(f64, usize)>,
+    star: Star,
+    /// Best value of the polygon from i to j, and the vertex that makes the triangle with its chord; once it is known.
+    best: Vec<Option<(f64, usize)>>,
     triangles: Vec<[usize; 3]>,
 }
 
@@ -52,64 +44,54 @@ impl Filling {
         if n < 3 {
             return false;
         }
-        let point = |v: &u32| solid.point(*v);
-        let star = Star { ends: edge.map(|v| point(&v)), points: link.iter().map(point).collect() };
-        let bound = measure.floor();
+        self.star.gather(solid, edge, link);
         self.size = n;
         self.best.clear();
-        self.best.resize(n * n, (f64::INFINITY, 0));
-        for span in 2..n {
-            for i in 0..n - span {
-                let j = i + span;
-                let mut best = (bound, usize::MAX);
-                for k in i + 1..j {
-                    let sides = self.best[i * n + k].0.min(self.best[k * n + j].0);
-                    if let Some(value) = star.triangle(measure, [i, k, j], sides, best.0) {
-                        best = (value, k);
-                    }
+        self.best.resize(n * n, None);
+        let bound = self.star.bound(measure);
+        self.polygon([0, n - 1], measure, bound) > bound
+    }
+
+    /// Value of the best filling of the polygon from i to j; minus infinity if none is above `bound`.
+    ///
+    /// From the whole to its parts: most rings have no admissible filling, which few triangles at the first chord show.
+    fn polygon(&mut self, [i, j]: [usize; 2], measure: Measure, bound: f64) -> f64 {
+        if j - i < 2 {
+            return f64::INFINITY;
+        }
+        if let Some((value, _)) = self.best[i * self.size + j] {
+            return value;
+        }
+        let mut best = (bound, usize::MAX);
+        for k in i + 1..j {
+            let mut value = self.star.triangle(measure, [i, k, j], best.0);
+            for side in [[i, k], [k, j]] {
+                if value > best.0 {
+                    value = value.min(self.polygon(side, measure, bound));
                 }
-                // No filling within the bound: whatever contains this polygon has none either.
-                self.best[i * n + j] = if best.1 == usize::MAX { (f64::NEG_INFINITY, 0) } else { best };
+            }
+            if value > best.0 {
+                best = (value, k);
             }
         }
-        self.best[n - 1].0 > bound
+        if best.1 == usize::MAX {
+            best.0 = f64::NEG_INFINITY;
+        }
+        self.best[i * self.size + j] = Some(best);
+        best.0
     }
 
     /// The triangles of the filling found, as positions in the link.
     fn triangles(&mut self) -> &[[usize; 3]] {
         self.triangles.clear();
-        let mut open = vec![(0, self.size - 1)];
-        while let Some((i, j)) = open.pop() {
-            if j - i < 2 {
-                continue;
+        let mut open = vec![[0, self.size - 1]];
+        while let Some([i, j]) = open.pop() {
+            if let Some((_, k)) = self.best[i * self.size + j] {
+                self.triangles.push([i, k, j]);
+                open.extend([[i, k], [k, j]]);
             }
-            let k = self.best[i * self.size + j].1;
-            self.triangles.push([i, k, j]);
-            open.extend([(i, k), (k, j)]);
         }
         &self.triangles
-    }
-}
-
-/// Positions of the ends of an edge, and of its link.
-struct Star {
-    ends: [DVec3; 2],
-    points: SmallVec<[DVec3; 12]>,
-}
-
-impl Star {
-    /// Value of the polygon made of a triangle and the polygons at its two sides, if it is above `best`.
-    fn triangle(&self, measure: Measure, corners: [usize; 3], sides: f64, best: f64) -> Option<f64> {
-        let [i, k, j] = corners.map(|c| self.points[c]);
-        let [a, b] = self.ends;
-        let mut value = sides;
-        for points in [[i, k, j, b], [i, j, k, a]] {
-            if value <= best {
-                return None;
-            }
-            value = value.min(measure.value(points));
-        }
-        (value > best).then_some(value)
     }
 }
 

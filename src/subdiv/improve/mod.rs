@@ -14,6 +14,7 @@ mod parallel;
 mod quality;
 mod repair;
 mod smooth;
+mod star;
 mod valence;
 
 pub(super) use edge_removal::{Filling, Measure, flip_interface, remove_edge};
