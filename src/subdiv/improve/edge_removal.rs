@@ -9,6 +9,7 @@ use super::super::options::QualityMeasure;
 use super::super::solid::{Ring, Solid};
 use super::star::Star;
 use crate::mesh::Face;
+use smallvec::SmallVec;
 
 /// What makes one filling better than another: its worst cell.
 #[derive(Clone, Copy)]
@@ -17,14 +18,6 @@ pub(crate) enum Measure {
     BestWorst(f64),
     /// The worst value of another measure ([`measured::value`]) is as large as possible, and above this.
     BestWorstBy(QualityMeasure, f64),
-}
-
-impl Measure {
-    pub(super) fn floor(self) -> f64 {
-        match self {
-            Self::BestWorst(floor) | Self::BestWorstBy(_, floor) => floor,
-        }
-    }
 }
 
 /// Work space of the dynamic program, kept between calls.
@@ -95,6 +88,9 @@ impl Filling {
     }
 }
 
+/// The corners and minimum sines of cells that take the place of a ring.
+pub(super) type Cells = SmallVec<[([u32; 4], f64); 12]>;
+
 /// Removes the edge if its ring has an admissible filling without it. A boundary edge is replaced by the chord of its
 /// link; the caller has made sure that this is a change of the surface it wants. Returns whether it was done.
 pub(crate) fn remove_edge(
@@ -104,16 +100,37 @@ pub(crate) fn remove_edge(
     measure: Measure,
     filling: &mut Filling,
 ) -> bool {
-    if !can_remove(solid, edge, ring, measure, filling) {
-        return false;
+    let found = best_filling(solid, edge, ring, measure, filling);
+    if let Some(cells) = &found {
+        replace_ring(solid, edge, ring, cells);
     }
-    replace_ring(solid, edge, ring, filling.triangles());
-    true
+    found.is_some()
 }
 
-/// Fills the ring by these triangles of its link instead of the edge.
-pub(super) fn replace_ring(solid: &mut Solid, edge: [u32; 2], ring: &Ring, triangles: &[[usize; 3]]) {
-    fill(solid, edge, ring, triangles);
+/// The filling by which [`remove_edge`] would remove the edge.
+pub(super) fn best_filling(
+    solid: &Solid,
+    edge: [u32; 2],
+    ring: &Ring,
+    measure: Measure,
+    filling: &mut Filling,
+) -> Option<Cells> {
+    let found = filling.solve(solid, edge, &ring.vertices, measure) && may_replace(solid, edge, ring);
+    found.then(|| cells_of(solid, edge, ring, filling.triangles()))
+}
+
+/// The cells that triangles of the link of an edge make with its ends.
+pub(super) fn cells_of(solid: &Solid, [a, b]: [u32; 2], ring: &Ring, triangles: &[[usize; 3]]) -> Cells {
+    let tets = triangles.iter().flat_map(|corners| {
+        let [i, k, j] = corners.map(|c| ring.vertices[c]);
+        [[i, k, j, b], [i, j, k, a]]
+    });
+    tets.map(|tet| (tet, solid.sine_of(tet))).collect()
+}
+
+/// Fills the ring by these cells, which do without the edge.
+pub(super) fn replace_ring(solid: &mut Solid, edge: [u32; 2], ring: &Ring, cells: &Cells) {
+    fill(solid, ring, cells);
     if !ring.closed {
         flip_surface(solid, edge, &ring.vertices);
     }
@@ -128,37 +145,24 @@ pub(crate) fn flip_interface(
     measure: Measure,
     filling: &mut Filling,
 ) -> bool {
-    let mut found = [Vec::new(), Vec::new()];
-    for (part, triangles) in parts.iter().zip(&mut found) {
-        if !can_remove(solid, edge, part, measure, filling) {
-            return false;
-        }
-        triangles.extend_from_slice(filling.triangles());
-    }
-    for (part, triangles) in parts.iter().zip(&found) {
-        fill(solid, edge, part, triangles);
-    }
+    let mut find = |part| best_filling(solid, edge, part, measure, filling);
+    let (Some(first), Some(second)) = (find(&parts[0]), find(&parts[1])) else { return false };
+    fill(solid, &parts[0], &first);
+    fill(solid, &parts[1], &second);
     flip_surface(solid, edge, &parts[0].vertices);
     true
 }
 
 /// Puts the cells of a filling in the place of those of the ring.
-fn fill(solid: &mut Solid, [a, b]: [u32; 2], ring: &Ring, triangles: &[[usize; 3]]) {
+fn fill(solid: &mut Solid, ring: &Ring, cells: &Cells) {
     let mut tag = solid.tag(ring.cells[0]);
     for &t in &ring.cells {
         tag.level = tag.level.max(solid.tag(t).level);
         solid.remove_cell(t);
     }
-    for corners in triangles {
-        let [i, k, j] = corners.map(|c| ring.vertices[c]);
-        solid.add_cell([i, k, j, b], tag);
-        solid.add_cell([i, j, k, a], tag);
+    for &(tet, sine) in cells {
+        solid.add_cell_of(tet, sine, tag);
     }
-}
-
-/// Finds the filling by which [`remove_edge`] would remove the edge; true if there is one.
-pub(super) fn can_remove(solid: &Solid, edge: [u32; 2], ring: &Ring, measure: Measure, filling: &mut Filling) -> bool {
-    may_replace(solid, edge, ring) && filling.solve(solid, edge, &ring.vertices, measure)
 }
 
 /// True if the topology allows the ring to be filled again without the edge.

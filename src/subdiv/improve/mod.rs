@@ -2,6 +2,7 @@
 //! interpolation error ([`error`]).
 
 mod edge_removal;
+mod edges;
 pub(super) mod error;
 mod face_flip;
 mod fan;
@@ -24,15 +25,13 @@ pub(super) use quality::optimise_quality;
 use super::options::{Mode, Optimise, QualityMeasure};
 use super::solid::{Ring, Solid, rest_of};
 use crate::mesh::quality::volume;
-use edge_removal::{can_remove, chord_is_free};
+use edges::Rule;
 use freedom::Freedom;
-use parallel::{edges_where, in_blocks, vertices_where};
+use parallel::{in_blocks, vertices_where};
 use rustc_hash::FxHashSet;
-use smallvec::SmallVec;
 use smooth::{GOOD, Smoother};
 
-/// Edges and vertices of which proposals are made at a time: many for the threads' sake, few so that they stay true.
-const EDGE_BLOCK: usize = 1024;
+/// Vertices of which proposals are made at a time: many for the threads' sake, few so that they stay true.
 const VERTEX_BLOCK: usize = 512;
 
 /// Tools with their work space.
@@ -74,37 +73,10 @@ impl Improver {
         }
     }
 
-    /// Removes, in their order, the edges whose removal improves the worst cell of the ring; returns how many.
-    fn remove_edges(&mut self, solid: &mut Solid, since: u32) -> usize {
-        let edges = edges_where(solid, |t| solid.is_changed(t, since));
-        let (mut removed, measure) = (0, self.measure);
-        let promising = |filling: &mut Filling, solid: &Solid, edge: [u32; 2]| {
-            solid.ring(edge[0], edge[1]).is_some_and(|ring| {
-                // Whether a chord is free depends on more than the ring.
-                is_removable(solid, edge, &ring, 0.0)
-                    && (!ring.closed && !chord_is_free(solid, edge, &ring)
-                        || can_remove(solid, edge, &ring, improvement(measure, solid, &ring), filling))
-            })
-        };
-        in_blocks(solid, &edges, EDGE_BLOCK, promising, |solid, block| {
-            // Edges whose rings are other than the proposals saw.
-            let mut changed = FxHashSet::default();
-            for (edge, promising) in block {
-                if (promising || changed.contains(&edge))
-                    && let Some(ring) = self.improve_edge(solid, edge)
-                {
-                    changed.extend(pairs(edge, &ring));
-                    removed += 1;
-                }
-            }
-        });
-        removed
-    }
-
-    /// Removes the edge if that improves the worst cell of its ring, which it gives then.
-    fn improve_edge(&mut self, solid: &mut Solid, edge: [u32; 2]) -> Option<Ring> {
-        let ring = solid.ring(edge[0], edge[1]).filter(|ring| is_removable(solid, edge, ring, 0.0))?;
-        remove_edge(solid, edge, &ring, improvement(self.measure, solid, &ring), &mut self.filling).then_some(ring)
+    /// Removes the edges whose removal improves the worst cell of the ring; returns how many.
+    fn remove_edges(&self, solid: &mut Solid, since: u32) -> usize {
+        let measure = |solid: &Solid, ring: &Ring| Some(improvement(self.measure, solid, ring));
+        Rule { measure, rounding: 0.0 }.remove_edges(solid, |solid, t| solid.is_changed(t, since))
     }
 
     /// Smooths, in their order, the interior vertices of changed cells; returns how many moved.
@@ -143,13 +115,6 @@ fn improvement(measure: QualityMeasure, solid: &Solid, ring: &Ring) -> Measure {
         QualityMeasure::MinSine => Measure::BestWorst(above(solid.worst_sine(&ring.cells))),
         other => Measure::BestWorstBy(other, above(measured::worst(solid, &ring.cells, other))),
     }
-}
-
-/// All pairs of the vertices of an edge and its link.
-fn pairs(edge: [u32; 2], ring: &Ring) -> impl Iterator<Item = [u32; 2]> {
-    let vertices: SmallVec<[u32; 16]> = edge.into_iter().chain(ring.vertices.iter().copied()).collect();
-    let pair = |i: usize| [vertices[i / vertices.len()], vertices[i % vertices.len()]];
-    (0..vertices.len() * vertices.len()).map(pair).filter(|[v, w]| v < w).collect::<SmallVec<[_; 64]>>().into_iter()
 }
 
 /// True if the edge may go without changing the solid. `rounding` is the distance by which rounding may have moved

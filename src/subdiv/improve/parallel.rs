@@ -6,7 +6,6 @@ use super::freedom::Freedom;
 use crate::mesh::topology;
 use glam::DVec3;
 use rayon::prelude::*;
-use smallvec::SmallVec;
 
 /// Those items, in order, that `worth` (with work space of its own on each thread) says yes to.
 pub(super) fn select<T: Copy + Send + Sync, W: Default>(
@@ -46,27 +45,13 @@ pub(super) fn vertices_of(solid: &Solid, cells: impl Iterator<Item = u32>) -> Ve
 
 /// The vertices of the wanted cells, sorted.
 pub(super) fn vertices_where(solid: &Solid, wanted: impl Fn(u32) -> bool + Sync) -> Vec<u32> {
-    by_vertex(solid, |v, found| {
-        if solid.cells_at(v).iter().any(|&t| wanted(t)) {
-            found.push(v);
+    let mut marks = vec![false; solid.point_count()];
+    for t in solid.live_cells().filter(|&t| wanted(t)) {
+        for v in solid.tet(t) {
+            marks[v as usize] = true;
         }
-    })
-}
-
-/// The edges of the wanted cells, sorted.
-pub(super) fn edges_where(solid: &Solid, wanted: impl Fn(u32) -> bool + Sync) -> Vec<[u32; 2]> {
-    by_vertex(solid, |v, found| {
-        let mut ends: SmallVec<[u32; 32]> = SmallVec::new();
-        for &t in solid.cells_at(v).iter().filter(|t| wanted(**t)) {
-            for w in solid.tet(t) {
-                if w > v && !ends.contains(&w) {
-                    ends.push(w);
-                }
-            }
-        }
-        ends.sort_unstable();
-        found.extend(ends.into_iter().map(|w| [v, w]));
-    })
+    }
+    (0..solid.point_count() as u32).filter(|&v| marks[v as usize]).collect()
 }
 
 /// The faces of the wanted cells, each with its vertices in order, sorted.
