@@ -28,7 +28,6 @@ use crate::mesh::quality::volume;
 use edges::Rule;
 use freedom::Freedom;
 use parallel::{in_blocks, vertices_where};
-use rustc_hash::FxHashSet;
 use smooth::{GOOD, Smoother};
 
 /// Vertices of which proposals are made at a time: many for the threads' sake, few so that they stay true.
@@ -93,13 +92,13 @@ impl Improver {
         };
         let mut moved = 0;
         in_blocks(solid, &vertices, VERTEX_BLOCK, better, |solid, block| {
-            // Vertices whose cells are other than the proposals saw.
-            let mut changed = FxHashSet::default();
+            let now = solid.tick();
             for (v, proposal) in block {
-                let proposal = if changed.contains(&v) { better(&mut self.smoother, solid, v) } else { proposal };
+                // Where another vertex has moved since, it is made again.
+                let is_old = solid.cells_at(v).iter().all(|&t| !solid.is_changed(t, now));
+                let proposal = if is_old { proposal } else { better(&mut self.smoother, solid, v) };
                 if let Some((p, sines)) = proposal {
                     solid.move_point_to(v, p, &sines);
-                    changed.extend(solid.cells_at(v).iter().flat_map(|&t| solid.tet(t)));
                     moved += 1;
                 }
             }

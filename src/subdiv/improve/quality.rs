@@ -153,8 +153,10 @@ impl Quality {
     /// Removes faces of bad cells where that improves the worst cell.
     fn remove_faces(&self, solid: &mut Solid, since: u32) {
         let faces = faces_where(solid, |t| self.is_bad(solid, t, since));
-        let worth = |(): &mut (), face: &[u32; 3]| find_faces(solid, *face, self.goal, GAIN).is_some();
-        for face in select(faces, worth) {
+        let worth = |(): &mut (), &(face, cells): &([u32; 3], [u32; 2])| {
+            find_faces(solid, face, cells, self.goal, GAIN).is_some()
+        };
+        for (face, _) in select(faces, worth) {
             remove_faces(solid, face, self.goal, GAIN);
         }
     }
