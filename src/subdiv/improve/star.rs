@@ -78,7 +78,7 @@ impl Star {
             let volume = six_volumes[end];
             let square = volume * volume / (base * nik) * (at_link.min(at_end) / (nkj * nij));
             // Not a number for cells so small that their normals underflow: not above.
-            if !(square > best) {
+            if square <= best || square.is_nan() {
                 return f64::NEG_INFINITY;
             }
             worst = worst.min(square);
