@@ -19,9 +19,6 @@ use super::smooth::Smoother;
 /// Steps of the smoother a visit: more of them equalise the cells at a vertex at the expense of their mean.
 const STEPS: usize = 2;
 
-/// Sweeps for the mean after each pass, and after the last.
-const MEAN_SWEEPS: [usize; 2] = [1, 2];
-
 /// Cells whose smallest angle is this many degrees below the target are repaired at any price.
 const REPAIR_BELOW: f64 = 5.0;
 
@@ -106,9 +103,7 @@ impl Quality {
         }
         self.smooth(solid, since);
         self.repair(solid, last);
-        for _ in 0..MEAN_SWEEPS[usize::from(last.is_some())] {
-            self.raise_means(solid, since);
-        }
+        self.raise_means(solid, since);
         // Around the cells that are left the mesh is another now.
         self.repair(solid, last);
         now
