@@ -161,7 +161,7 @@ impl Solid {
         self.live_cells().filter(move |&t| self.stamps[t as usize] >= time)
     }
 
-    /// True if the cell was made or reshaped at or after `time`.
+    /// True if the cell was made, reshaped or removed at or after `time`.
     pub(super) fn is_changed(&self, t: u32, time: u32) -> bool {
         self.stamps[t as usize] >= time
     }
@@ -259,7 +259,16 @@ impl Solid {
 
     /// Adds a cell.
     pub(super) fn add_cell(&mut self, tet: [u32; 4], tag: CellTag) -> u32 {
-        let sine = quality::min_sine(tet.map(|v| self.point(v)));
+        self.add_cell_of(tet, self.sine_of(tet), tag)
+    }
+
+    /// Minimum sine of the cell with these corners.
+    pub(super) fn sine_of(&self, tet: [u32; 4]) -> f64 {
+        quality::min_sine(tet.map(|v| self.point(v)))
+    }
+
+    /// Adds a cell whose minimum sine is known ([`Solid::sine_of`]).
+    pub(super) fn add_cell_of(&mut self, tet: [u32; 4], sine: f64, tag: CellTag) -> u32 {
         let slot = match self.free.pop() {
             Some(slot) => {
                 let i = slot as usize;
@@ -287,9 +296,10 @@ impl Solid {
         for v in tet {
             remove_value(&mut self.cells_at[v as usize], t);
         }
-        self.tets[t as usize] = [DEAD; 4];
-        self.free.push(t);
         self.journal.note(Change::CellRemoved(tet, self.tag(t), self.stamps[t as usize]));
+        self.tets[t as usize] = [DEAD; 4];
+        self.stamps[t as usize] = self.clock;
+        self.free.push(t);
         (tet, self.tag(t))
     }
 

@@ -7,9 +7,8 @@
 
 use super::super::options::QualityMeasure;
 use super::super::solid::{Ring, Solid};
-use super::measured;
-use crate::mesh::{Face, quality};
-use glam::DVec3;
+use super::star::Star;
+use crate::mesh::Face;
 use smallvec::SmallVec;
 
 /// What makes one filling better than another: its worst cell.
@@ -21,27 +20,13 @@ pub(crate) enum Measure {
     BestWorstBy(QualityMeasure, f64),
 }
 
-impl Measure {
-    fn floor(self) -> f64 {
-        match self {
-            Self::BestWorst(floor) | Self::BestWorstBy(_, floor) => floor,
-        }
-    }
-
-    fn value(self, points: [DVec3; 4]) -> f64 {
-        match self {
-            Self::BestWorst(_) => quality::positive_min_sine(points),
-            Self::BestWorstBy(measure, _) => measured::value(measure, points),
-        }
-    }
-}
-
 /// Work space of the dynamic program, kept between calls.
 #[derive(Default)]
 pub(crate) struct Filling {
     size: usize,
-    /// Best value of the polygon from i to j, and the vertex that makes the triangle with its chord.
-    best: Vec<(f64, usize)>,
+    star: Star,
+    /// Best value of the polygon from i to j, and the vertex that makes the triangle with its chord; once it is known.
+    best: Vec<Option<(f64, usize)>>,
     triangles: Vec<[usize; 3]>,
 }
 
@@ -52,66 +37,59 @@ impl Filling {
         if n < 3 {
             return false;
         }
-        let point = |v: &u32| solid.point(*v);
-        let star = Star { ends: edge.map(|v| point(&v)), points: link.iter().map(point).collect() };
-        let bound = measure.floor();
+        self.star.gather(solid, edge, link);
         self.size = n;
         self.best.clear();
-        self.best.resize(n * n, (f64::INFINITY, 0));
-        for span in 2..n {
-            for i in 0..n - span {
-                let j = i + span;
-                let mut best = (bound, usize::MAX);
-                for k in i + 1..j {
-                    let sides = self.best[i * n + k].0.min(self.best[k * n + j].0);
-                    if let Some(value) = star.triangle(measure, [i, k, j], sides, best.0) {
-                        best = (value, k);
-                    }
+        self.best.resize(n * n, None);
+        let bound = self.star.bound(measure);
+        self.polygon([0, n - 1], measure, bound) > bound
+    }
+
+    /// Value of the best filling of the polygon from i to j; minus infinity if none is above `bound`.
+    ///
+    /// From the whole to its parts: most rings have no admissible filling, which few triangles at the first chord show.
+    fn polygon(&mut self, [i, j]: [usize; 2], measure: Measure, bound: f64) -> f64 {
+        if j - i < 2 {
+            return f64::INFINITY;
+        }
+        if let Some((value, _)) = self.best[i * self.size + j] {
+            return value;
+        }
+        let mut best = (bound, usize::MAX);
+        for k in i + 1..j {
+            let mut value = self.star.triangle(measure, [i, k, j], best.0);
+            for side in [[i, k], [k, j]] {
+                if value > best.0 {
+                    value = value.min(self.polygon(side, measure, bound));
                 }
-                // No filling within the bound: whatever contains this polygon has none either.
-                self.best[i * n + j] = if best.1 == usize::MAX { (f64::NEG_INFINITY, 0) } else { best };
+            }
+            if value > best.0 {
+                best = (value, k);
             }
         }
-        self.best[n - 1].0 > bound
+        if best.1 == usize::MAX {
+            best.0 = f64::NEG_INFINITY;
+        }
+        self.best[i * self.size + j] = Some(best);
+        best.0
     }
 
     /// The triangles of the filling found, as positions in the link.
     fn triangles(&mut self) -> &[[usize; 3]] {
         self.triangles.clear();
-        let mut open = vec![(0, self.size - 1)];
-        while let Some((i, j)) = open.pop() {
-            if j - i < 2 {
-                continue;
+        let mut open = vec![[0, self.size - 1]];
+        while let Some([i, j]) = open.pop() {
+            if let Some((_, k)) = self.best[i * self.size + j] {
+                self.triangles.push([i, k, j]);
+                open.extend([[i, k], [k, j]]);
             }
-            let k = self.best[i * self.size + j].1;
-            self.triangles.push([i, k, j]);
-            open.extend([(i, k), (k, j)]);
         }
         &self.triangles
     }
 }
 
-/// Positions of the ends of an edge, and of its link.
-struct Star {
-    ends: [DVec3; 2],
-    points: SmallVec<[DVec3; 12]>,
-}
-
-impl Star {
-    /// Value of the polygon made of a triangle and the polygons at its two sides, if it is above `best`.
-    fn triangle(&self, measure: Measure, corners: [usize; 3], sides: f64, best: f64) -> Option<f64> {
-        let [i, k, j] = corners.map(|c| self.points[c]);
-        let [a, b] = self.ends;
-        let mut value = sides;
-        for points in [[i, k, j, b], [i, j, k, a]] {
-            if value <= best {
-                return None;
-            }
-            value = value.min(measure.value(points));
-        }
-        (value > best).then_some(value)
-    }
-}
+/// The corners and minimum sines of cells that take the place of a ring.
+pub(super) type Cells = SmallVec<[([u32; 4], f64); 12]>;
 
 /// Removes the edge if its ring has an admissible filling without it. A boundary edge is replaced by the chord of its
 /// link; the caller has made sure that this is a change of the surface it wants. Returns whether it was done.
@@ -122,16 +100,37 @@ pub(crate) fn remove_edge(
     measure: Measure,
     filling: &mut Filling,
 ) -> bool {
-    if !can_remove(solid, edge, ring, measure, filling) {
-        return false;
+    let found = best_filling(solid, edge, ring, measure, filling);
+    if let Some(cells) = &found {
+        replace_ring(solid, edge, ring, cells);
     }
-    replace_ring(solid, edge, ring, filling.triangles());
-    true
+    found.is_some()
 }
 
-/// Fills the ring by these triangles of its link instead of the edge.
-pub(super) fn replace_ring(solid: &mut Solid, edge: [u32; 2], ring: &Ring, triangles: &[[usize; 3]]) {
-    fill(solid, edge, ring, triangles);
+/// The filling by which [`remove_edge`] would remove the edge.
+pub(super) fn best_filling(
+    solid: &Solid,
+    edge: [u32; 2],
+    ring: &Ring,
+    measure: Measure,
+    filling: &mut Filling,
+) -> Option<Cells> {
+    let found = filling.solve(solid, edge, &ring.vertices, measure) && may_replace(solid, edge, ring);
+    found.then(|| cells_of(solid, edge, ring, filling.triangles()))
+}
+
+/// The cells that triangles of the link of an edge make with its ends.
+pub(super) fn cells_of(solid: &Solid, [a, b]: [u32; 2], ring: &Ring, triangles: &[[usize; 3]]) -> Cells {
+    let tets = triangles.iter().flat_map(|corners| {
+        let [i, k, j] = corners.map(|c| ring.vertices[c]);
+        [[i, k, j, b], [i, j, k, a]]
+    });
+    tets.map(|tet| (tet, solid.sine_of(tet))).collect()
+}
+
+/// Fills the ring by these cells, which do without the edge.
+pub(super) fn replace_ring(solid: &mut Solid, edge: [u32; 2], ring: &Ring, cells: &Cells) {
+    fill(solid, ring, cells);
     if !ring.closed {
         flip_surface(solid, edge, &ring.vertices);
     }
@@ -146,37 +145,24 @@ pub(crate) fn flip_interface(
     measure: Measure,
     filling: &mut Filling,
 ) -> bool {
-    let mut found = [Vec::new(), Vec::new()];
-    for (part, triangles) in parts.iter().zip(&mut found) {
-        if !can_remove(solid, edge, part, measure, filling) {
-            return false;
-        }
-        triangles.extend_from_slice(filling.triangles());
-    }
-    for (part, triangles) in parts.iter().zip(&found) {
-        fill(solid, edge, part, triangles);
-    }
+    let mut find = |part| best_filling(solid, edge, part, measure, filling);
+    let (Some(first), Some(second)) = (find(&parts[0]), find(&parts[1])) else { return false };
+    fill(solid, &parts[0], &first);
+    fill(solid, &parts[1], &second);
     flip_surface(solid, edge, &parts[0].vertices);
     true
 }
 
 /// Puts the cells of a filling in the place of those of the ring.
-fn fill(solid: &mut Solid, [a, b]: [u32; 2], ring: &Ring, triangles: &[[usize; 3]]) {
+fn fill(solid: &mut Solid, ring: &Ring, cells: &Cells) {
     let mut tag = solid.tag(ring.cells[0]);
     for &t in &ring.cells {
         tag.level = tag.level.max(solid.tag(t).level);
         solid.remove_cell(t);
     }
-    for corners in triangles {
-        let [i, k, j] = corners.map(|c| ring.vertices[c]);
-        solid.add_cell([i, k, j, b], tag);
-        solid.add_cell([i, j, k, a], tag);
+    for &(tet, sine) in cells {
+        solid.add_cell_of(tet, sine, tag);
     }
-}
-
-/// Finds the filling by which [`remove_edge`] would remove the edge; true if there is one.
-pub(super) fn can_remove(solid: &Solid, edge: [u32; 2], ring: &Ring, measure: Measure, filling: &mut Filling) -> bool {
-    may_replace(solid, edge, ring) && filling.solve(solid, edge, &ring.vertices, measure)
 }
 
 /// True if the topology allows the ring to be filled again without the edge.

@@ -26,6 +26,11 @@ impl Fan {
         }
     }
 
+    /// The corners p, q, r of cell `i`.
+    pub(super) fn corners(&self, i: usize) -> [DVec3; 3] {
+        self.blocks.corners(i)
+    }
+
     /// Minimum sines of the cells, in the order of [`Solid::cells_at`], with the vertex at `x`.
     pub(super) fn sines(&self, x: DVec3) -> SmallVec<[f64; 32]> {
         self.sines_above(x, f64::NEG_INFINITY)

@@ -49,6 +49,11 @@ impl Blocks {
         }
     }
 
+    /// The corners of cell `i`.
+    pub(super) fn corners(&self, i: usize) -> [DVec3; 3] {
+        self.blocks[i / LANES].corners(i % LANES)
+    }
+
     /// Number of cells.
     pub(super) fn len(&self) -> usize {
         self.len

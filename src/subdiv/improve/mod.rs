@@ -2,6 +2,7 @@
 //! interpolation error ([`error`]).
 
 mod edge_removal;
+mod edges;
 pub(super) mod error;
 mod face_flip;
 mod fan;
@@ -14,6 +15,7 @@ mod parallel;
 mod quality;
 mod repair;
 mod smooth;
+mod star;
 mod valence;
 
 pub(super) use edge_removal::{Filling, Measure, flip_interface, remove_edge};
@@ -23,15 +25,12 @@ pub(super) use quality::optimise_quality;
 use super::options::{Mode, Optimise, QualityMeasure};
 use super::solid::{Ring, Solid, rest_of};
 use crate::mesh::quality::volume;
-use edge_removal::{can_remove, chord_is_free};
+use edges::Rule;
 use freedom::Freedom;
-use parallel::{edges_where, in_blocks, vertices_where};
-use rustc_hash::FxHashSet;
-use smallvec::SmallVec;
+use parallel::{in_blocks, vertices_where};
 use smooth::{GOOD, Smoother};
 
-/// Edges and vertices of which proposals are made at a time: many for the threads' sake, few so that they stay true.
-const EDGE_BLOCK: usize = 1024;
+/// Vertices of which proposals are made at a time: many for the threads' sake, few so that they stay true.
 const VERTEX_BLOCK: usize = 512;
 
 /// Tools with their work space.
@@ -73,37 +72,10 @@ impl Improver {
         }
     }
 
-    /// Removes, in their order, the edges whose removal improves the worst cell of the ring; returns how many.
-    fn remove_edges(&mut self, solid: &mut Solid, since: u32) -> usize {
-        let edges = edges_where(solid, |t| solid.is_changed(t, since));
-        let (mut removed, measure) = (0, self.measure);
-        let promising = |filling: &mut Filling, solid: &Solid, edge: [u32; 2]| {
-            solid.ring(edge[0], edge[1]).is_some_and(|ring| {
-                // Whether a chord is free depends on more than the ring.
-                is_removable(solid, edge, &ring, 0.0)
-                    && (!ring.closed && !chord_is_free(solid, edge, &ring)
-                        || can_remove(solid, edge, &ring, improvement(measure, solid, &ring), filling))
-            })
-        };
-        in_blocks(solid, &edges, EDGE_BLOCK, promising, |solid, block| {
-            // Edges whose rings are other than the proposals saw.
-            let mut changed = FxHashSet::default();
-            for (edge, promising) in block {
-                if (promising || changed.contains(&edge))
-                    && let Some(ring) = self.improve_edge(solid, edge)
-                {
-                    changed.extend(pairs(edge, &ring));
-                    removed += 1;
-                }
-            }
-        });
-        removed
-    }
-
-    /// Removes the edge if that improves the worst cell of its ring, which it gives then.
-    fn improve_edge(&mut self, solid: &mut Solid, edge: [u32; 2]) -> Option<Ring> {
-        let ring = solid.ring(edge[0], edge[1]).filter(|ring| is_removable(solid, edge, ring, 0.0))?;
-        remove_edge(solid, edge, &ring, improvement(self.measure, solid, &ring), &mut self.filling).then_some(ring)
+    /// Removes the edges whose removal improves the worst cell of the ring; returns how many.
+    fn remove_edges(&self, solid: &mut Solid, since: u32) -> usize {
+        let measure = |solid: &Solid, ring: &Ring| Some(improvement(self.measure, solid, ring));
+        Rule { measure, rounding: 0.0 }.remove_edges(solid, |solid, t| solid.is_changed(t, since))
     }
 
     /// Smooths, in their order, the interior vertices of changed cells; returns how many moved.
@@ -120,13 +92,13 @@ impl Improver {
         };
         let mut moved = 0;
         in_blocks(solid, &vertices, VERTEX_BLOCK, better, |solid, block| {
-            // Vertices whose cells are other than the proposals saw.
-            let mut changed = FxHashSet::default();
+            let now = solid.tick();
             for (v, proposal) in block {
-                let proposal = if changed.contains(&v) { better(&mut self.smoother, solid, v) } else { proposal };
+                // Where another vertex has moved since, it is made again.
+                let is_old = solid.cells_at(v).iter().all(|&t| !solid.is_changed(t, now));
+                let proposal = if is_old { proposal } else { better(&mut self.smoother, solid, v) };
                 if let Some((p, sines)) = proposal {
                     solid.move_point_to(v, p, &sines);
-                    changed.extend(solid.cells_at(v).iter().flat_map(|&t| solid.tet(t)));
                     moved += 1;
                 }
             }
@@ -142,13 +114,6 @@ fn improvement(measure: QualityMeasure, solid: &Solid, ring: &Ring) -> Measure {
         QualityMeasure::MinSine => Measure::BestWorst(above(solid.worst_sine(&ring.cells))),
         other => Measure::BestWorstBy(other, above(measured::worst(solid, &ring.cells, other))),
     }
-}
-
-/// All pairs of the vertices of an edge and its link.
-fn pairs(edge: [u32; 2], ring: &Ring) -> impl Iterator<Item = [u32; 2]> {
-    let vertices: SmallVec<[u32; 16]> = edge.into_iter().chain(ring.vertices.iter().copied()).collect();
-    let pair = |i: usize| [vertices[i / vertices.len()], vertices[i % vertices.len()]];
-    (0..vertices.len() * vertices.len()).map(pair).filter(|[v, w]| v < w).collect::<SmallVec<[_; 64]>>().into_iter()
 }
 
 /// True if the edge may go without changing the solid. `rounding` is the distance by which rounding may have moved

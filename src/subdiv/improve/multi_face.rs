@@ -21,7 +21,8 @@ pub(super) struct Sandwich {
 /// Removes `face`, and with it neighbouring faces between the same two vertices, if that raises the worst sine by more
 /// than `gain`; only if it is then still below `goal`. Returns whether it was done.
 pub(crate) fn remove_faces(solid: &mut Solid, face: [u32; 3], goal: f64, gain: f64) -> bool {
-    let Some(([a, b], found)) = find_faces(solid, face, goal, gain) else { return false };
+    let [t, u] = solid.cells_at_face(face)[..] else { return false };
+    let Some(([a, b], found)) = find_faces(solid, face, [t, u], goal, gain) else { return false };
     let mut tag = solid.tag(found.cells[0]);
     for &t in &found.cells {
         tag.level = tag.level.max(solid.tag(t).level);
@@ -33,10 +34,14 @@ pub(crate) fn remove_faces(solid: &mut Solid, face: [u32; 3], goal: f64, gain: f
     true
 }
 
-/// The two vertices and the set of faces that [`remove_faces`] would work with.
-pub(super) fn find_faces(solid: &Solid, face: [u32; 3], goal: f64, gain: f64) -> Option<([u32; 2], Sandwich)> {
-    let cells = solid.cells_at_face(face);
-    let [t, u] = cells[..] else { return None };
+/// The two vertices and the set of faces that [`remove_faces`] would work with, from the face between two cells.
+pub(super) fn find_faces(
+    solid: &Solid,
+    face: [u32; 3],
+    [t, u]: [u32; 2],
+    goal: f64,
+    gain: f64,
+) -> Option<([u32; 2], Sandwich)> {
     let floor = (solid.sine(t).min(solid.sine(u)) + gain).max(0.0);
     if floor >= goal {
         return None;
@@ -44,9 +49,15 @@ pub(super) fn find_faces(solid: &Solid, face: [u32; 3], goal: f64, gain: f64) ->
     let far = |cell: u32| solid.tet(cell).into_iter().find(|v| !face.contains(v));
     let (a, b) = (far(t)?, far(u)?);
     let [p, q, r] = oriented(solid, face, a);
+    let edges = [[p, q], [q, r], [r, p]];
+    // Where the line ab passes two of the edges on their far sides no set that holds this face can do.
+    let passes = |[p, q]: [u32; 2]| quality::volume([p, q, b, a].map(|v| solid.point(v))) <= 0.0;
+    if edges.into_iter().filter(|&e| passes(e)).count() > 1 {
+        return None;
+    }
     let mut found = Sandwich { faces: 1, ..Sandwich::default() };
     found.cells.extend([t, u]);
-    for edge in [[p, q], [q, r], [r, p]] {
+    for edge in edges {
         if grow(solid, [a, b], edge, &mut found, floor) <= floor {
             return None;
         }
@@ -85,9 +96,11 @@ fn beyond(solid: &Solid, [a, b]: [u32; 2], [p, q]: [u32; 2], found: &Sandwich) -
     if solid.is_crease([p, q]) {
         return None;
     }
-    let t = *solid.cells_at_face([a, p, q]).iter().find(|t| !found.cells.contains(t))?;
+    // The lists of p and q are nearer at hand than those of a and b.
+    let (first, second) = if p < q { (p, q) } else { (q, p) };
+    let t = *solid.cells_at_face([first, second, a]).iter().find(|t| !found.cells.contains(t))?;
     let w = solid.tet(t).into_iter().find(|v| ![a, p, q].contains(v))?;
-    let u = *solid.cells_at_face([b, p, q]).iter().find(|u| !found.cells.contains(u))?;
+    let u = *solid.cells_at_face([first, second, b]).iter().find(|u| !found.cells.contains(u))?;
     (w != b && solid.tet(u).contains(&w)).then_some((w, t, u))
 }
 

@@ -1,6 +1,6 @@
 //! Evaluating in parallel, changing in a fixed order: results do not depend on the number of threads.
 
-use super::super::solid::Solid;
+use super::super::solid::{Solid, rest_of};
 use super::fan::Fan;
 use super::freedom::Freedom;
 use crate::mesh::topology;
@@ -46,64 +46,30 @@ pub(super) fn vertices_of(solid: &Solid, cells: impl Iterator<Item = u32>) -> Ve
 
 /// The vertices of the wanted cells, sorted.
 pub(super) fn vertices_where(solid: &Solid, wanted: impl Fn(u32) -> bool + Sync) -> Vec<u32> {
-    by_vertex(solid, |v, found| {
-        if solid.cells_at(v).iter().any(|&t| wanted(t)) {
-            found.push(v);
+    let mut marks = vec![false; solid.point_count()];
+    for t in solid.live_cells().filter(|&t| wanted(t)) {
+        for v in solid.tet(t) {
+            marks[v as usize] = true;
         }
-    })
+    }
+    (0..solid.point_count() as u32).filter(|&v| marks[v as usize]).collect()
 }
 
-/// The edges of the wanted cells, sorted.
-pub(super) fn edges_where(solid: &Solid, wanted: impl Fn(u32) -> bool + Sync) -> Vec<[u32; 2]> {
-    by_vertex(solid, |v, found| {
-        let mut ends: SmallVec<[u32; 32]> = SmallVec::new();
-        for &t in solid.cells_at(v).iter().filter(|t| wanted(**t)) {
-            for w in solid.tet(t) {
-                if w > v && !ends.contains(&w) {
-                    ends.push(w);
-                }
-            }
+/// The inner faces of the wanted cells, each with its vertices in order, sorted, with the cells at it.
+pub(super) fn faces_where(solid: &Solid, wanted: impl Fn(u32) -> bool + Sync) -> Vec<([u32; 3], [u32; 2])> {
+    let at = |&v: &u32| {
+        let mut faces: SmallVec<[([u32; 2], u32); 64]> = SmallVec::new();
+        for &t in solid.cells_at(v) {
+            let [p, q, r] = rest_of(solid.tet(t), v);
+            let pairs = [[p, q], [q, r], [r, p]].map(topology::sorted2);
+            faces.extend(pairs.into_iter().filter(|pair| pair[0] > v).map(|pair| (pair, t)));
         }
-        ends.sort_unstable();
-        found.extend(ends.into_iter().map(|w| [v, w]));
-    })
-}
-
-/// The faces of the wanted cells, each with its vertices in order, sorted.
-pub(super) fn faces_where(solid: &Solid, wanted: impl Fn(u32) -> bool + Sync) -> Vec<[u32; 3]> {
-    by_vertex(solid, |v, found| {
-        let start = found.len();
-        for &t in solid.cells_at(v).iter().filter(|t| wanted(**t)) {
-            let faces = topology::tet_faces(solid.tet(t)).map(topology::sorted3);
-            found.extend(faces.into_iter().filter(|f| f[0] == v));
-        }
-        found[start..].sort_unstable();
-        let mut last = None;
-        let mut end = start;
-        for i in start..found.len() {
-            if last != Some(found[i]) {
-                last = Some(found[i]);
-                found[end] = found[i];
-                end += 1;
-            }
-        }
-        found.truncate(end);
-    })
-}
-
-/// What `each` finds at the vertices, in their order.
-fn by_vertex<T: Clone + Send + Sync>(solid: &Solid, each: impl Fn(u32, &mut Vec<T>) + Sync) -> Vec<T> {
-    const CHUNK: u32 = 256;
-    let count = solid.point_count() as u32;
-    let chunk = |i: u32| {
-        let mut found = Vec::new();
-        for v in CHUNK * i..(CHUNK * (i + 1)).min(count) {
-            each(v, &mut found);
-        }
-        found
+        faces.sort_unstable();
+        let twice = faces.windows(2).filter(|two| two[0].0 == two[1].0 && (wanted(two[0].1) || wanted(two[1].1)));
+        twice.map(|two| ([v, two[0].0[0], two[0].0[1]], [two[0].1, two[1].1])).collect::<Vec<_>>()
     };
-    let chunks: Vec<Vec<T>> = (0..count.div_ceil(CHUNK)).into_par_iter().map(chunk).collect();
-    chunks.concat()
+    let vertices = vertices_where(solid, &wanted);
+    vertices.par_iter().with_min_len(64).map(at).collect::<Vec<_>>().concat()
 }
 
 /// Moves vertices to where `propose` (with work space of its own on each thread) says; those without common cells at the

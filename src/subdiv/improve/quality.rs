@@ -7,19 +7,17 @@
 //! after the other, evaluated again; so the result does not depend on the number of threads.
 
 use super::super::options::Optimise;
-use super::super::solid::Solid;
-use super::edge_removal::{Filling, Measure, can_remove};
+use super::super::solid::{Ring, Solid};
+use super::edge_removal::{Filling, Measure};
+use super::edges::Rule;
 use super::freedom::{Freedom, freedoms};
+use super::mean;
 use super::multi_face::{find_faces, remove_faces};
-use super::parallel::{self, edges_where, faces_where, select, vertices_where};
+use super::parallel::{self, faces_where, select, vertices_where};
 use super::smooth::Smoother;
-use super::{is_removable, mean, remove_edge};
 
 /// Steps of the smoother a visit: more of them equalise the cells at a vertex at the expense of their mean.
 const STEPS: usize = 2;
-
-/// Sweeps for the mean after each pass, and after the last.
-const MEAN_SWEEPS: [usize; 2] = [1, 2];
 
 /// Cells whose smallest angle is this many degrees below the target are repaired at any price.
 const REPAIR_BELOW: f64 = 5.0;
@@ -105,9 +103,7 @@ impl Quality {
         }
         self.smooth(solid, since);
         self.repair(solid, last);
-        for _ in 0..MEAN_SWEEPS[usize::from(last.is_some())] {
-            self.raise_means(solid, since);
-        }
+        self.raise_means(solid, since);
         // Around the cells that are left the mesh is another now.
         self.repair(solid, last);
         now
@@ -123,34 +119,39 @@ impl Quality {
 
     /// Removes edges of bad cells where that improves the worst cell of the ring.
     fn remove_edges(&mut self, solid: &mut Solid, since: u32) {
-        let edges = edges_where(solid, |t| self.is_bad(solid, t, since));
-        let (goal, rounding) = (self.goal, self.rounding);
-        let worth = |filling: &mut Filling, &edge: &[u32; 2]| {
-            let Some(ring) = solid.ring(edge[0], edge[1]) else { return false };
-            let floor = solid.worst_sine(&ring.cells) + GAIN;
-            floor < goal
-                && is_removable(solid, edge, &ring, rounding)
-                && can_remove(solid, edge, &ring, Measure::BestWorst(floor.max(0.0)), filling)
-        };
-        for edge in select(edges, worth) {
-            self.improve_edge(solid, edge, |worst| worst + GAIN);
-        }
+        self.rule(|worst| worst + GAIN).remove_edges(solid, |solid, t| self.is_bad(solid, t, since));
     }
 
     /// Removes the edge if the worst sine of the new cells exceeds `floor(worst old sine)`.
-    pub(super) fn improve_edge(&mut self, solid: &mut Solid, edge: [u32; 2], floor: impl Fn(f64) -> f64) -> bool {
-        let Some(ring) = solid.ring(edge[0], edge[1]) else { return false };
-        let floor = floor(solid.worst_sine(&ring.cells)).max(0.0);
-        floor < self.goal
-            && is_removable(solid, edge, &ring, self.rounding)
-            && remove_edge(solid, edge, &ring, Measure::BestWorst(floor), &mut self.filling)
+    pub(super) fn improve_edge(
+        &mut self,
+        solid: &mut Solid,
+        edge: [u32; 2],
+        floor: impl Fn(f64) -> f64 + Sync,
+    ) -> bool {
+        let mut filling = std::mem::take(&mut self.filling);
+        let done = self.rule(floor).remove_edge(solid, edge, &mut filling);
+        self.filling = filling;
+        done
+    }
+
+    /// Edges with cells below the goal may go if the worst new sine exceeds `floor(worst old sine)`.
+    fn rule(&self, floor: impl Fn(f64) -> f64 + Sync) -> Rule<impl Fn(&Solid, &Ring) -> Option<Measure> + Sync> {
+        let goal = self.goal;
+        let measure = move |solid: &Solid, ring: &Ring| {
+            let floor = floor(solid.worst_sine(&ring.cells)).max(0.0);
+            (floor < goal).then_some(Measure::BestWorst(floor))
+        };
+        Rule { measure, rounding: self.rounding }
     }
 
     /// Removes faces of bad cells where that improves the worst cell.
     fn remove_faces(&self, solid: &mut Solid, since: u32) {
         let faces = faces_where(solid, |t| self.is_bad(solid, t, since));
-        let worth = |(): &mut (), face: &[u32; 3]| find_faces(solid, *face, self.goal, GAIN).is_some();
-        for face in select(faces, worth) {
+        let worth = |(): &mut (), &(face, cells): &([u32; 3], [u32; 2])| {
+            find_faces(solid, face, cells, self.goal, GAIN).is_some()
+        };
+        for (face, _) in select(faces, worth) {
             remove_faces(solid, face, self.goal, GAIN);
         }
     }

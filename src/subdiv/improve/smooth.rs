@@ -14,7 +14,7 @@ use glam::DVec3;
 pub(crate) const GOOD: f64 = 0.3;
 
 /// Sines this much above the smallest do not shape the step.
-const MARGIN: f64 = 0.3;
+const MARGIN: f64 = 0.2;
 
 /// Bundle steps a vertex.
 const STEPS: usize = 8;
@@ -75,7 +75,7 @@ impl Smoother {
             (p, worst) = (mean, laplacian);
         }
         if worst <= good {
-            (p, worst) = self.optimise(solid, v, freedom, p, worst);
+            (p, worst) = self.optimise(solid, freedom, p, worst);
         }
         (worst > old).then_some(p)
     }
@@ -93,12 +93,12 @@ impl Smoother {
     }
 
     /// Maximises the worst sine from position `p`; returns the best position found and its worst sine.
-    fn optimise(&mut self, solid: &Solid, v: u32, freedom: Freedom, mut p: DVec3, mut worst: f64) -> (DVec3, f64) {
+    fn optimise(&mut self, solid: &Solid, freedom: Freedom, mut p: DVec3, mut worst: f64) -> (DVec3, f64) {
         let scale =
             self.neighbours.iter().map(|&w| (solid.point(w) - p).length_squared()).fold(f64::INFINITY, f64::min);
         // Sines change by about one over an edge length, so t in squared lengths gives steps in lengths.
         let mut t = 0.1 * scale;
-        self.collect(solid, v, freedom, p, worst);
+        self.collect(freedom, p, worst);
         for _ in 0..self.steps {
             let (d, predicted) = self.bundle_step(t);
             if predicted - worst < 1e-3 {
@@ -110,7 +110,7 @@ impl Smoother {
             if actual > needed {
                 (p, worst) = (q, actual);
                 t *= 2.0;
-                self.collect(solid, v, freedom, p, worst);
+                self.collect(freedom, p, worst);
             } else {
                 t *= 0.25;
             }
@@ -118,18 +118,16 @@ impl Smoother {
         (p, worst)
     }
 
-    /// Collects the sines within the margin of the smallest, with their gradients.
-    fn collect(&mut self, solid: &Solid, v: u32, freedom: Freedom, p: DVec3, worst: f64) {
+    /// Collects the sines within the margin of the smallest at `p`, with their gradients.
+    fn collect(&mut self, freedom: Freedom, p: DVec3, worst: f64) {
         self.pieces.clear();
-        for &t in solid.cells_at(v) {
-            if solid.sine(t) > worst + 2.0 * MARGIN {
-                continue;
+        for (i, &sine) in self.fan.sines(p).iter().enumerate() {
+            if sine < worst + MARGIN {
+                let take = |piece: Piece| {
+                    self.pieces.push(Piece { gradient: freedom.project(piece.gradient), ..piece });
+                };
+                sines_with_gradients(p, self.fan.corners(i), worst + MARGIN, take);
             }
-            let rest = super::rest_of(solid.tet(t), v).map(|w| solid.point(w));
-            let take = |piece: Piece| {
-                self.pieces.push(Piece { gradient: freedom.project(piece.gradient), ..piece });
-            };
-            sines_with_gradients(p, rest, worst + MARGIN, take);
         }
     }
 

@@ -61,6 +61,31 @@ impl Solid {
         let mut arcs: SmallVec<[Arc; 12]> = cells[..count].iter().map(arc).collect();
         chain(&mut arcs)
     }
+
+    /// Gives `each` the rings of the edges from `v` to vertices w with larger numbers, in ascending order of w, as far as they
+    /// have one ([`Solid::ring`]) and a cell of it is `wanted`.
+    pub(in crate::subdiv) fn rings_above(&self, v: u32, wanted: impl Fn(u32) -> bool, mut each: impl FnMut(u32, Ring)) {
+        // All cells are fetched first: they are scattered in memory, and branches would keep the fetches apart.
+        let cells: SmallVec<[(u32, [u32; 4]); 64]> = self.cells_at(v).iter().map(|&t| (t, self.tet(t))).collect();
+        let mut arcs: SmallVec<[(u32, Arc); 64]> = SmallVec::new();
+        for &(cell, tet) in &cells {
+            let [p, q, r] = rest_of(tet, v);
+            for (w, from, to) in [(p, q, r), (q, r, p), (r, p, q)] {
+                if w > v {
+                    arcs.push((w, Arc { from, to, cell }));
+                }
+            }
+        }
+        arcs.sort_unstable_by_key(|(w, arc)| u64::from(*w) << 32 | u64::from(arc.cell));
+        for group in arcs.chunk_by(|(v, _), (w, _)| v == w) {
+            if group.len() <= LONGEST_RING && group.iter().any(|(_, arc)| wanted(arc.cell)) {
+                let mut ring: SmallVec<[Arc; 12]> = group.iter().map(|(_, arc)| *arc).collect();
+                if let Some(ring) = chain(&mut ring) {
+                    each(group[0].0, ring);
+                }
+            }
+        }
+    }
 }
 
 /// Orders arcs into one fan or cycle.
@@ -120,5 +145,38 @@ mod tests {
             }
         }
         assert!(solid.ring(0, mesh.points().len() as u32 - 1).is_none());
+    }
+
+    #[test]
+    fn the_rings_at_a_vertex_are_those_of_its_edges() {
+        let mesh = generate::box_tets([1.0; 3], [3; 3]).unwrap();
+        let solid = Solid::new(&mesh);
+        let mut found = Vec::new();
+        for v in 0..mesh.points().len() as u32 {
+            solid.rings_above(
+                v,
+                |_| true,
+                |w, ring| {
+                    let sorted = |cells: &[u32]| {
+                        let mut cells = cells.to_vec();
+                        cells.sort_unstable();
+                        cells
+                    };
+                    let known = solid.ring(v, w).unwrap();
+                    assert_eq!((ring.closed, sorted(&ring.cells)), (known.closed, sorted(&known.cells)));
+                    // The same cycle, begun elsewhere.
+                    let start = known.vertices.iter().position(|x| *x == ring.vertices[0]).unwrap();
+                    let turned: Vec<u32> =
+                        known.vertices.iter().cycle().skip(start).take(known.vertices.len()).copied().collect();
+                    assert_eq!(ring.vertices[..], turned[..]);
+                    found.push([v, w]);
+                },
+            );
+        }
+        assert_eq!(found, topology::edges(mesh.tets()));
+        let mut of_a_cell = Vec::new();
+        let a = solid.tet(7).into_iter().min().unwrap();
+        solid.rings_above(a, |t| t == 7, |w, _| of_a_cell.push(w));
+        assert_eq!(of_a_cell.len(), 3);
     }
 }

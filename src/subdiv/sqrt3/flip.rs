@@ -11,11 +11,11 @@ pub(super) const VALID: f64 = 1e-3;
 /// Flips each old interior face between two refined cells where the result is valid.
 pub(super) fn flip_faces(solid: &mut Solid, old: &OldMesh) -> Flips<3> {
     let mut flips = Flips { done: 0, refused: Vec::new(), one_sided: old.border_faces.clone() };
-    // No two of these faces share a cell: a child of a split cell has one of its faces.
-    let is_valid = |face: &[u32; 3]| FaceFlip::of(solid, *face).is_some_and(|flip| flip.worst_sine(solid) > VALID);
-    let valid: Vec<bool> = old.inner_faces.par_iter().with_min_len(64).map(is_valid).collect();
-    for (&face, valid) in old.inner_faces.iter().zip(valid) {
-        match FaceFlip::of(solid, face).filter(|_| valid) {
+    // No two of these faces share a cell (a child of a split cell has one of its faces), so that no flip touches another.
+    let valid = |face: &[u32; 3]| FaceFlip::of(solid, *face).filter(|flip| flip.worst_sine(solid) > VALID);
+    let found: Vec<Option<FaceFlip>> = old.inner_faces.par_iter().with_min_len(64).map(valid).collect();
+    for (&face, flip) in old.inner_faces.iter().zip(found) {
+        match flip {
             Some(flip) => {
                 flip.perform(solid);
                 flips.done += 1;

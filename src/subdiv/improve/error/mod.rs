@@ -12,7 +12,7 @@ mod filling;
 mod relocate;
 mod weighted;
 
-use super::edge_removal::{may_replace, replace_ring};
+use super::edge_removal::{cells_of, may_replace, replace_ring};
 use super::freedom::freedoms;
 use super::is_removable;
 use super::parallel::{select, sweep, vertices_of};
@@ -98,7 +98,8 @@ fn remove_edges(solid: &mut Solid, weights: &[f64], since: u32, rounding: f64) -
     let mut removed = 0;
     for edge in select(edges, |filling, &edge| cheaper(filling, solid, edge).is_some()) {
         if let Some(ring) = cheaper(&mut filling, solid, edge) {
-            replace_ring(solid, edge, &ring, &filling.triangles());
+            let cells = cells_of(solid, edge, &ring, &filling.triangles());
+            replace_ring(solid, edge, &ring, &cells);
             removed += 1;
         }
     }
