@@ -48,7 +48,7 @@ pub fn check(scenario: &Scenario, options: &RunOptions) -> Result<(), Error> {
     text += &describe_materials(scenario, &resolved.mesh)?;
     text += &describe_selections(&resolved)?;
     text += &describe_wishes(scenario, &resolved);
-    text += &format!("\n{}", wrapped(&describe_refinement(scenario)));
+    text += &format!("\nelements: {}\n{}", word(&scenario.element), wrapped(&describe_refinement(scenario)));
     text += &describe_forecast(&forecast);
     text += &format!("results would go to {}\n", options.folder(scenario).display());
     let large = forecast.too_large().map(|s| {
@@ -178,8 +178,7 @@ fn describe_forecast(forecast: &Forecast) -> String {
         ]);
     }
     let free = forecast.free_bytes.map_or(String::new(), |b| format!(" {} of memory are free.", forecast::size(b)));
-    let end =
-        format!("The last of these steps by {}. ~ is an estimate, mostly within a factor of two.{free}", forecast.end);
+    let end = format!("The forecast ends by {}. ~ is an estimate, mostly within a factor of two.{free}", forecast.end);
     format!("\n{rows}\n{}", wrapped(&end))
 }
 

@@ -169,13 +169,15 @@ impl Sizes {
         }
     }
 
-    /// Every cell gets a vertex, and every edge of the surface, or else every face of it.
+    /// Every cell gets a vertex and becomes four, every face inside becomes another cell; then every edge of the surface
+    /// gets a vertex, or else every face of it. How many cells that makes at an edge was measured on the tripod.
     fn sqrt3(&self, boundary: Boundary) -> Self {
-        let (new, faces) = match boundary {
-            Boundary::Fixed => (self.surface_edges, 4.0),
-            Boundary::Approximating | Boundary::Interpolating => (self.surface, 3.0),
+        let (new, faces, at_edge) = match boundary {
+            Boundary::Fixed => (self.surface_edges, 4.0, 4.2),
+            Boundary::Approximating | Boundary::Interpolating => (self.surface, 3.0, 3.3),
         };
-        let cells = cells_after(Scheme::Sqrt3, Strategy::Global, self.cells, self.cells);
+        let flipped = 2.0 * self.cells + 0.5 * self.boundary - self.surface;
+        let cells = 4.0 * self.cells + flipped + at_edge * self.surface_edges;
         let nodes = self.nodes + self.cells + new;
         Self {
             cells,

@@ -1,7 +1,7 @@
 //! Mesh files.
 //!
-//! The format is found from the content. Every reader turns its file into [`raw::Raw`] lists of nodes, tetrahedra and
-//! triangles with the place each came from; [`build`] checks the lists and makes a mesh of them, alike for all formats.
+//! The format is found from the content. Every reader turns its file into `raw::Raw` lists of nodes, tetrahedra and
+//! triangles with the place each came from; `build` checks the lists and makes a mesh of them, alike for all formats.
 
 mod abaqus;
 mod binary;

@@ -53,3 +53,37 @@ fn strings(codes: &[f64]) -> Vec<String> {
     strings.pop();
     strings
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    /// The lists of a file after names were applied to four points.
+    fn applied(groups: &[u8], faces: &[f64]) -> Raw {
+        let mut raw = Raw::default();
+        (0..4).for_each(|id| raw.nodes.push(id, DVec3::ZERO, 0));
+        let groups = groups.iter().map(|&byte| f64::from(byte)).collect();
+        let names = Names { regions: vec![98.0, 111.0, 110.0, 101.0, 0.0], groups, faces: faces.to_vec() };
+        names.apply(&mut raw, 7);
+        raw
+    }
+
+    #[test]
+    fn names_are_those_between_the_zeros() {
+        let raw = applied(b"top\0\xc3\xa4\0", &[0.0, 1.0, 2.0, 3.0, 1.0, 0.0, 1.0, 2.0]);
+        assert_eq!(raw.region_names[&0], "bone");
+        assert_eq!((raw.group_names[&1].as_str(), raw.group_names[&2].as_str()), ("top", "\u{e4}"));
+        assert_eq!(raw.triangles.nodes, [[1, 2, 3], [0, 1, 2]]);
+        assert_eq!(raw.triangles.tags.iter().collect::<Vec<_>>(), [1, 2]);
+    }
+
+    #[test]
+    fn groups_of_another_mesh_are_passed_over_with_a_note() {
+        for faces in [&[0.0, 1.0, 2.0][..], &[0.0, 1.0, 2.0, 4.0], &[1.0, 0.0, 1.0, 2.0], &[0.0, 0.0, -1.0, f64::NAN]] {
+            let raw = applied(b"top\0", faces);
+            assert!(raw.triangles.nodes.is_empty() && raw.group_names.is_empty(), "{faces:?}");
+            assert_eq!(raw.notes.len(), 1);
+        }
+    }
+}

@@ -282,9 +282,10 @@ impl Xml<'_> {
     }
 
     fn decode(&self, array: &Array) -> Result<Vec<f64>, String> {
-        // Strings are their bytes.
-        let kind = if array.kind == "String" { "UInt8" } else { &array.kind };
-        let kind = Type::named(kind).ok_or_else(|| "its type is not read".to_owned())?;
+        // Strings, which only names are, are their bytes.
+        let is_text = array.kind == "String" && self.section == Section::FieldData;
+        let kind = Type::named(if is_text { "UInt8" } else { &array.kind });
+        let kind = kind.ok_or_else(|| "its type is not read".to_owned())?;
         let mut encoded = match (array.format.as_str(), &self.appended) {
             ("ascii", _) => {
                 let words = array.text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
