@@ -18,6 +18,18 @@ pub struct System {
     pub(super) numbering: Dofs,
     /// Positions of the nodes: the rigid motions that the iterative solver builds on depend on them.
     pub(super) points: Vec<DVec3>,
+    /// Of ten-node cells, what their vertices are.
+    pub(super) linear: Option<Linear>,
+}
+
+/// The vertices of ten-node cells with straight edges: the first nodes, before the midpoints of the edges.
+#[derive(Debug, Clone)]
+pub(super) struct Linear {
+    /// Stiffness of the four-node cells between the vertices: `P^T K P`, where `P` gives midpoints the mean of their edge's
+    /// ends.
+    pub stiffness: BlockMatrix,
+    /// The vertices that each midpoint lies between.
+    pub ends: Vec<[u32; 2]>,
 }
 
 impl System {
@@ -53,7 +65,7 @@ pub fn assemble(mesh: &TetMesh, model: &Model) -> Result<System, FemError> {
     let loads = loads::nodal_forces(mesh, model)?;
     let mut stiffness = stiffness(mesh, model);
     springs::add(mesh, model, &mut stiffness);
-    Ok(System { stiffness, loads, numbering, points: mesh.points().to_vec() })
+    Ok(System { stiffness, loads, numbering, points: mesh.points().to_vec(), linear: None })
 }
 
 /// The stiffness of all nodes. Each row is gathered by one task from the cells of its node in ascending order, so that

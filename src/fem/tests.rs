@@ -49,8 +49,8 @@ fn patch_test_is_exact_on_a_distorted_mesh() {
     let exact = |x: DVec3| gradient * x + DVec3::new(1.0, -2.0, 0.5);
     prescribe_boundary(&mesh, &mut system, exact);
     assert!(system.free_dofs() > 50);
-    for method in [Method::Direct, Method::Cg] {
-        let solved = solve(&system, &SolverOptions { method, ..exactly() }).unwrap();
+    for method in [Method::Direct, Method::AmgCg] {
+        let solved = solve(&system, &SolverOptions { method, ..exactly() }, None).unwrap();
         let solution = recover(&mesh, &model, &system, &solved);
         for (u, x) in solution.displacement.iter().zip(mesh.points()) {
             assert!((*u - exact(*x)).length() < 1e-12 * 4.0, "{method:?}: {u} at {x}");
@@ -122,7 +122,7 @@ fn smooth_cube_error_on(mesh: &TetMesh, poissons_ratio: f64) -> f64 {
     let mut system = assemble(mesh, &model).unwrap();
     let mu = material.mu();
     system.loads = body_forces(mesh, |x| 3.0 * PI * PI * mu * smooth(x));
-    let solution = recover(mesh, &model, &system, &solve(&system, &exactly()).unwrap());
+    let solution = recover(mesh, &model, &system, &solve(&system, &exactly(), None).unwrap());
     let exact = 9.0 * PI * PI * mu / 4.0;
     ((exact - 2.0 * solution.strain_energy) / exact).sqrt()
 }
@@ -148,8 +148,8 @@ fn vertices_of_no_cell_are_left_alone() {
     check_constraints(&mesh, &model).unwrap();
     let system = assemble(&mesh, &model).unwrap();
     assert_eq!((system.dofs(), system.free_dofs()), (3 * 28, 3 * 18));
-    for method in [Method::Direct, Method::Cg] {
-        let solved = solve(&system, &SolverOptions { method, ..exactly() }).unwrap();
+    for method in [Method::Direct, Method::AmgCg] {
+        let solved = solve(&system, &SolverOptions { method, ..exactly() }, None).unwrap();
         assert_eq!(solved.displacement[0], DVec3::ZERO);
         assert!(solved.displacement.iter().all(|u| u.is_finite()));
     }
@@ -192,7 +192,7 @@ fn bent_bar(size: [f64; 3], cells: [usize; 3], method: Method) -> (System, Solve
     let loads = vec![Load { name: "tip".to_owned(), kind: force }];
     let materials = vec![Material { youngs_modulus: 1000.0, poissons_ratio: 0.3, density: 0.0 }];
     let system = assemble(&mesh, &Model { materials, supports, loads }).unwrap();
-    let solved = solve(&system, &SolverOptions { method, ..SolverOptions::default() }).unwrap();
+    let solved = solve(&system, &SolverOptions { method, ..SolverOptions::default() }, None).unwrap();
     (system, solved)
 }
 
@@ -212,7 +212,7 @@ fn slender_bars_are_solved_to_the_limit_of_double_precision() {
     ] {
         let mut coarser = 0.0;
         for &cells in cells {
-            let energies = [Method::Direct, Method::Cg, Method::Auto].map(|method| {
+            let energies = [Method::Direct, Method::AmgCg, Method::Auto].map(|method| {
                 let (system, solved) = bent_bar(size, cells, method);
                 let SolverInfo { residual, reason, .. } = &solved.info;
                 assert_eq!(*residual > 1e-8, reason.contains("limit of double precision"), "{residual} {reason}");
@@ -235,8 +235,8 @@ fn a_free_solid_is_never_taken_for_solved() {
     let force = LoadKind::Force(mesh.group("x-max").unwrap(), DVec3::new(0.3, -0.2, 1.0));
     let loads = vec![Load { name: "push".to_owned(), kind: force }];
     let system = assemble(&mesh, &Model { materials: vec![SOFT], supports: vec![], loads }).unwrap();
-    for method in [Method::Direct, Method::Cg, Method::Auto] {
-        let solved = solve(&system, &SolverOptions { method, ..SolverOptions::default() });
+    for method in [Method::Direct, Method::AmgCg, Method::Auto] {
+        let solved = solve(&system, &SolverOptions { method, ..SolverOptions::default() }, None);
         assert!(solved.is_err(), "{method:?}: {:?}", solved.map(|s| s.info));
     }
 }
@@ -246,10 +246,10 @@ fn numbers_out_of_range_are_told_from_a_singular_matrix() {
     let (mut system, _) = bent_bar([2.0, 1.0, 1.0], [4, 2, 2], Method::Direct);
     for size in [1e200, 1e-200, f64::INFINITY] {
         system.loads.iter_mut().for_each(|f| *f = DVec3::splat(size));
-        let error = solve(&system, &SolverOptions::default()).unwrap_err();
+        let error = solve(&system, &SolverOptions::default(), None).unwrap_err();
         assert!(matches!(error, FemError::OutOfRange { what: "right-hand side" }), "{size}: {error}");
     }
     system.stiffness.blocks[0].x_axis.x = f64::INFINITY;
-    let error = solve(&system, &SolverOptions::default()).unwrap_err();
+    let error = solve(&system, &SolverOptions::default(), None).unwrap_err();
     assert!(matches!(error, FemError::OutOfRange { .. }), "{error}");
 }

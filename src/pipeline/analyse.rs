@@ -38,7 +38,7 @@ pub(super) fn analyse(
         Ok::<_, fem::FemError>(system)
     })?;
     phase.say(format!("step {index}: solve {} equations", system.free_dofs()));
-    let solved = timed(&mut seconds.solve, || fem::solve(&system, &plan.scenario.solver))?;
+    let solved = timed(&mut seconds.solve, || fem::solve(&system, &plan.scenario.solver, None))?;
     phase.say(format!("step {index}: estimate the error"));
     let estimator = plan.scenario.adapt.estimator;
     let (solution, errors) = timed(&mut seconds.estimate, || {

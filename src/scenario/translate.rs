@@ -7,7 +7,7 @@ use std::ops::Range;
 const RESERVED_KEYS: [&str; 6] = ["interfaces", "target_angle", "valence_limit", "quantity_error", "goal", "engine"];
 
 /// Values that the format reserves likewise, each with what to use today.
-const RESERVED_VALUES: [(&str, &str); 10] = [
+const RESERVED_VALUES: [(&str, &str); 9] = [
     ("curved", "straight"),
     ("hex", "tet"),
     ("tet10", "tet4"),
@@ -16,7 +16,6 @@ const RESERVED_VALUES: [(&str, &str); 10] = [
     ("hex27", "tet4"),
     ("catmull-clark", "tet4"),
     ("catmull-clark+", "tet4"),
-    ("amg-cg", "cg"),
     ("fixed-trisection", "fixed"),
 ];
 
