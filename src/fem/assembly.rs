@@ -3,10 +3,11 @@
 use super::block_matrix::{BlockMatrix, CHUNK};
 use super::numbering::Dofs;
 use super::{FemError, Model, check, loads, springs, tet4};
-use crate::mesh::TetMesh;
 use crate::mesh::topology::VertexCells;
+use crate::mesh::{TetMesh, quality};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// The linear system `K u = f` of all nodes, with the displacements that are prescribed.
 #[derive(Debug, Clone)]
@@ -72,10 +73,10 @@ pub fn assemble(mesh: &TetMesh, model: &Model) -> Result<System, FemError> {
 /// no atomics are needed and the bytes do not depend on the number of threads.
 fn stiffness(mesh: &TetMesh, model: &Model) -> BlockMatrix {
     let cells = VertexCells::new(mesh.points().len(), mesh.tets());
-    let (starts, columns) = pattern(mesh, &cells);
+    let rows = mesh.points().len();
+    let (starts, columns) = pattern(rows, &cells, mesh.tets());
     let lame: Vec<[f64; 2]> = model.materials.iter().map(|m| [m.lambda(), m.mu()]).collect();
     let mut blocks = vec![DMat3::ZERO; columns.len()];
-    let rows = mesh.points().len();
     let first_rows: Vec<usize> = (0..rows).step_by(CHUNK).collect();
     let mut chunks = Vec::with_capacity(first_rows.len());
     let mut rest = blocks.as_mut_slice();
@@ -85,35 +86,40 @@ fn stiffness(mesh: &TetMesh, model: &Model) -> BlockMatrix {
         chunks.push((first..last, chunk));
         rest = tail;
     }
-    chunks.into_par_iter().for_each(|(range, mut chunk)| {
+    let gather = |slots: &mut Vec<u32>, (range, mut chunk): (Range<usize>, &mut [DMat3])| {
         for i in range {
             let row = &columns[starts[i]..starts[i + 1]];
             let (blocks, tail) = chunk.split_at_mut(row.len());
-            gather_row(mesh, &lame, i as u32, cells.at(i as u32), row, blocks);
+            (0..).zip(row).for_each(|(slot, &v)| slots[v as usize] = slot);
+            gather_row(mesh, &lame, i as u32, cells.at(i as u32), slots, blocks);
             chunk = tail;
         }
-    });
+    };
+    chunks.into_par_iter().for_each_init(|| vec![0; rows], gather);
     BlockMatrix { starts, columns, blocks }
 }
 
-/// Nodes that share a cell with each node (itself included), ascending, as compressed rows.
-fn pattern(mesh: &TetMesh, cells: &VertexCells) -> (Vec<usize>, Vec<u32>) {
-    let rows = mesh.points().len();
-    let chunks: Vec<(Vec<usize>, Vec<u32>)> = (0..rows.div_ceil(CHUNK))
-        .into_par_iter()
-        .map(|chunk| {
-            let (mut lengths, mut columns, mut row) = (Vec::with_capacity(CHUNK), Vec::new(), Vec::new());
-            for i in chunk * CHUNK..rows.min((chunk + 1) * CHUNK) {
-                row.clear();
-                row.extend(cells.at(i as u32).iter().flat_map(|&t| mesh.tets()[t as usize]));
-                row.sort_unstable();
-                row.dedup();
-                lengths.push(row.len());
-                columns.extend_from_slice(&row);
+/// Nodes that share a cell with each node (itself included), ascending, as compressed rows; `cells` are the cells at each
+/// node, `nodes` the nodes of each cell.
+fn pattern<const K: usize>(rows: usize, cells: &VertexCells, nodes: &[[u32; K]]) -> (Vec<usize>, Vec<u32>) {
+    const NEVER: u32 = u32::MAX;
+    let chunk = |seen: &mut Vec<u32>, chunk: usize| {
+        let (mut lengths, mut columns) = (Vec::with_capacity(CHUNK), Vec::new());
+        for i in chunk * CHUNK..rows.min((chunk + 1) * CHUNK) {
+            let first = columns.len();
+            for v in cells.at(i as u32).iter().flat_map(|&t| nodes[t as usize]) {
+                if seen[v as usize] != i as u32 {
+                    seen[v as usize] = i as u32;
+                    columns.push(v);
+                }
             }
-            (lengths, columns)
-        })
-        .collect();
+            columns[first..].sort_unstable();
+            lengths.push(columns.len() - first);
+        }
+        (lengths, columns)
+    };
+    let chunks = (0..rows.div_ceil(CHUNK)).into_par_iter().map_init(|| vec![NEVER; rows], chunk);
+    let chunks: Vec<(Vec<usize>, Vec<u32>)> = chunks.collect();
     let mut starts = Vec::with_capacity(rows + 1);
     starts.push(0);
     let mut columns = Vec::with_capacity(chunks.iter().map(|(_, c)| c.len()).sum());
@@ -126,18 +132,31 @@ fn pattern(mesh: &TetMesh, cells: &VertexCells) -> (Vec<usize>, Vec<u32>) {
     (starts, columns)
 }
 
-/// Adds the blocks of node `i` from its cells.
-fn gather_row(mesh: &TetMesh, lame: &[[f64; 2]], i: u32, cells: &[u32], columns: &[u32], blocks: &mut [DMat3]) {
+/// Adds the blocks of node `i` from its cells; `slots` says where the block of each of its neighbours is.
+fn gather_row(mesh: &TetMesh, lame: &[[f64; 2]], i: u32, cells: &[u32], slots: &[u32], blocks: &mut [DMat3]) {
+    let region = |t: &u32| mesh.regions()[*t as usize].0 as usize;
+    let one = cells.first().map(region).filter(|&one| cells.iter().all(|t| region(t) == one));
     for &t in cells {
-        let t = t as usize;
-        let tet = mesh.tets()[t];
-        let (volume, g) = tet4::gradients(mesh.cell_points(t));
-        let [lambda, mu] = lame[mesh.regions()[t].0 as usize].map(|modulus| volume * modulus);
-        // Both nodes belong to this cell, so they are in the lists that were made of the cells.
-        let own = tet.iter().position(|&v| v == i).map_or(DVec3::ZERO, |a| g[a]);
-        for (v, g) in tet.into_iter().zip(g) {
-            let slot = columns.partition_point(|&c| c < v);
-            blocks[slot] += tet4::stiffness_block(lambda, mu, own, g);
+        let tet = mesh.tets()[t as usize];
+        let p = mesh.cell_points(t as usize);
+        let n = quality::face_normals(p);
+        // With grad N_i = -n_i / (6 V), `V grad N_i grad N_j^T` is this times `n_i n_j^T`.
+        let weight = 1.0 / (36.0 * quality::volume(p));
+        // Node i belongs to its cells.
+        let own = tet.iter().position(|&v| v == i).map_or(DVec3::ZERO, |a| n[a]);
+        for (v, n) in tet.into_iter().zip(n) {
+            let block = &mut blocks[slots[v as usize] as usize];
+            if one.is_some() {
+                // In one material the products are summed up first.
+                let n = weight * n;
+                *block += DMat3::from_cols(own * n.x, own * n.y, own * n.z);
+            } else {
+                let [lambda, mu] = lame[region(&t)].map(|modulus| weight * modulus);
+                *block += tet4::stiffness_block(lambda, mu, own, n);
+            }
         }
+    }
+    if let Some([lambda, mu]) = one.map(|region| lame[region]) {
+        blocks.iter_mut().for_each(|block| *block = tet4::isotropic(lambda, mu, *block));
     }
 }

@@ -25,6 +25,13 @@ pub fn stiffness_block(lambda: f64, mu: f64, gi: DVec3, gj: DVec3) -> DMat3 {
     DMat3::from_cols(column(0, DVec3::X), column(1, DVec3::Y), column(2, DVec3::Z))
 }
 
+/// The same from the integral `s` of `g_i g_j^T`: `lambda s + mu s^T + mu tr(s) I`.
+#[must_use]
+pub fn isotropic(lambda: f64, mu: f64, s: DMat3) -> DMat3 {
+    let trace = s.x_axis.x + s.y_axis.y + s.z_axis.z;
+    s * lambda + s.transpose() * mu + DMat3::from_diagonal(DVec3::splat(mu * trace))
+}
+
 /// The constant strain of nodal displacements, `e = sum_i sym(u_i g_i^T)`.
 #[must_use]
 pub fn strain(g: [DVec3; 4], u: [DVec3; 4]) -> SymTensor {
