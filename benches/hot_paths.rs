@@ -78,13 +78,15 @@ fn optimise_for_error(bencher: Bencher) {
 fn assemble(bencher: Bencher) {
     let mesh = cube(16);
     let model = model(&mesh);
-    bencher.counter(ItemsCount::new(mesh.tets().len())).bench(|| fem::assemble(&mesh, &model).unwrap());
+    bencher
+        .counter(ItemsCount::new(mesh.tets().len()))
+        .bench(|| fem::assemble(&fem::Space::linear(&mesh), &model).unwrap());
 }
 
 #[divan::bench(args = [Method::Direct, Method::AmgCg])]
 fn solve(bencher: Bencher, method: Method) {
     let mesh = cube(16);
-    let system = fem::assemble(&mesh, &model(&mesh)).unwrap();
+    let system = fem::assemble(&fem::Space::linear(&mesh), &model(&mesh)).unwrap();
     let options = SolverOptions { method, ..SolverOptions::default() };
     bencher.counter(ItemsCount::new(mesh.tets().len())).bench(|| fem::solve(&system, &options, None).unwrap());
 }
@@ -93,9 +95,9 @@ fn solve(bencher: Bencher, method: Method) {
 fn estimate(bencher: Bencher, estimator: Estimator) {
     let mesh = cube(16);
     let model = model(&mesh);
-    let system = fem::assemble(&mesh, &model).unwrap();
+    let system = fem::assemble(&fem::Space::linear(&mesh), &model).unwrap();
     let solved = fem::solve(&system, &SolverOptions::default(), None).unwrap();
-    let stress = fem::recover(&mesh, &model, &system, &solved).stress;
+    let stress = fem::recover(&fem::Space::linear(&mesh), &model, &system, &solved).stress;
     let count = ItemsCount::new(mesh.tets().len());
-    bencher.counter(count).bench(|| adapt::estimate(&mesh, &model.materials, &stress, estimator));
+    bencher.counter(count).bench(|| adapt::estimate(&fem::Space::linear(&mesh), &model.materials, &stress, estimator));
 }

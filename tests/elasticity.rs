@@ -31,9 +31,9 @@ fn with(method: Method) -> SolverOptions {
 
 /// Solves, and checks that loads and reactions balance.
 fn analyse(mesh: &TetMesh, model: &Model, method: Method) -> Solution {
-    let system = fem::assemble(mesh, model).unwrap();
+    let system = fem::assemble(&fem::Space::linear(mesh), model).unwrap();
     let solved = fem::solve(&system, &with(method), None).unwrap();
-    let solution = fem::recover(mesh, model, &system, &solved);
+    let solution = fem::recover(&fem::Space::linear(mesh), model, &system, &solved);
     assert!(solution.info.residual <= 1e-11);
     let scale = solution.reactions.iter().map(|r| r.length()).fold(1e-3, f64::max);
     assert!(fem::global_balance(&system, &solution).length() < 1e-9 * scale);
@@ -75,7 +75,7 @@ fn bar_in_tension_stretches_by_stress_times_length_over_e() {
                 let exact = 7e-3 * DVec3::new(x.x, -0.3 * x.y, -0.3 * x.z);
                 assert!((*u - exact).length() < 1e-12, "{kind:?} {method:?}: {u} at {x}");
             }
-            for s in &solution.stress {
+            for s in &solution.stress.means() {
                 assert!((s[0] - 7.0).abs() < 1e-9 && s[1..].iter().all(|c| c.abs() < 1e-9));
                 assert!((fem::von_mises(*s) - 7.0).abs() < 1e-9);
             }
@@ -116,7 +116,7 @@ fn prescribed_stretch_and_the_load_that_makes_it_agree() {
     for method in [Method::Direct, Method::AmgCg] {
         let solution = analyse(&mesh, &model, method);
         assert!((solution.reactions[3] - DVec3::new(7.0, 0.0, 0.0)).length() < 1e-9);
-        assert!(solution.stress.iter().all(|s| (s[0] - 7.0).abs() < 1e-9));
+        assert!(solution.stress.means().iter().all(|s| (s[0] - 7.0).abs() < 1e-9));
     }
 }
 
@@ -143,7 +143,7 @@ fn everything_prescribed_leaves_nothing_to_solve() {
     let mesh = box_tets([1.0; 3], [1; 3]).unwrap();
     let supports = (0..6).map(|g| support("side", GroupId(g), [Some(0.5), Some(0.0), Some(0.0)])).collect();
     let model = Model { materials: vec![STIFF], supports, loads: vec![] };
-    assert_eq!(fem::assemble(&mesh, &model).unwrap().free_dofs(), 0);
+    assert_eq!(fem::assemble(&fem::Space::linear(&mesh), &model).unwrap().free_dofs(), 0);
     let solution = analyse(&mesh, &model, Method::Auto);
     assert!(solution.displacement.iter().all(|u| *u == DVec3::new(0.5, 0.0, 0.0)));
     assert!(solution.strain_energy.abs() < 1e-12);
@@ -152,7 +152,7 @@ fn everything_prescribed_leaves_nothing_to_solve() {
 #[test]
 fn auto_takes_cg_when_the_factor_is_too_large_and_says_so() {
     let (mesh, model) = pressed_box(4);
-    let system = fem::assemble(&mesh, &model).unwrap();
+    let system = fem::assemble(&fem::Space::linear(&mesh), &model).unwrap();
     let small = SolverOptions { direct_memory_limit: 1000, ..with(Method::Auto) };
     let (cg, direct) =
         (fem::solve(&system, &small, None).unwrap(), fem::solve(&system, &with(Method::Auto), None).unwrap());
@@ -165,7 +165,7 @@ fn auto_takes_cg_when_the_factor_is_too_large_and_says_so() {
 fn iterations_hardly_grow_with_the_mesh() {
     let iterations = [6, 12, 24].map(|cells| {
         let (mesh, model) = pressed_box(cells);
-        let system = fem::assemble(&mesh, &model).unwrap();
+        let system = fem::assemble(&fem::Space::linear(&mesh), &model).unwrap();
         fem::solve(&system, &SolverOptions { tolerance: 1e-8, ..with(Method::AmgCg) }, None).unwrap().info.iterations
     });
     assert!(iterations[2] < iterations[0] + 30 && iterations[2] < 80, "{iterations:?}");
@@ -184,7 +184,7 @@ fn auto_turns_to_the_direct_method_where_cg_is_slow() {
     parts.points.iter_mut().for_each(|p| p.z *= 100.0);
     let mesh = TetMesh::new(parts).unwrap();
     let options = SolverOptions { tolerance: 1e-6, ..with(Method::Auto) };
-    let info = fem::solve(&fem::assemble(&mesh, &model).unwrap(), &options, None).unwrap().info;
+    let info = fem::solve(&fem::assemble(&fem::Space::linear(&mesh), &model).unwrap(), &options, None).unwrap().info;
     assert_eq!(info.method, "direct", "{info:?}");
     assert!(info.reason.contains("300 iterations"), "{info:?}");
 }
@@ -192,7 +192,7 @@ fn auto_turns_to_the_direct_method_where_cg_is_slow() {
 #[test]
 fn a_tolerance_out_of_reach_gives_rounding_and_says_so() {
     let (mesh, model) = pressed_box(3);
-    let system = fem::assemble(&mesh, &model).unwrap();
+    let system = fem::assemble(&fem::Space::linear(&mesh), &model).unwrap();
     for method in [Method::Direct, Method::AmgCg] {
         let info = fem::solve(&system, &SolverOptions { tolerance: 1e-25, ..with(method) }, None).unwrap().info;
         assert!(info.residual < 1e-13 && info.reason.contains("limit of double precision"), "{info:?}");
@@ -206,7 +206,7 @@ fn an_unheld_solid_is_not_solved() {
     let (mesh, model) = pressed_box(3);
     let model = Model { supports: vec![], ..model };
     assert!(fem::check_constraints(&mesh, &model).unwrap_err().is_model());
-    let system = fem::assemble(&mesh, &model).unwrap();
+    let system = fem::assemble(&fem::Space::linear(&mesh), &model).unwrap();
     for method in [Method::Direct, Method::AmgCg] {
         let error = fem::solve(&system, &with(method), None).unwrap_err();
         assert!(!error.is_model(), "{error}");
@@ -275,9 +275,9 @@ fn loose_and_hinged_parts_are_told_apart() {
 fn senseless_models_are_refused_by_name() {
     let mesh = box_tets([1.0; 3], [1; 3]).unwrap();
     let good = Model { materials: vec![STIFF], supports: rollers(&mesh), loads: vec![] };
-    fem::assemble(&mesh, &good).unwrap();
+    fem::assemble(&fem::Space::linear(&mesh), &good).unwrap();
     let refuse = |model: Model, text: &str| {
-        let error = fem::assemble(&mesh, &model).unwrap_err();
+        let error = fem::assemble(&fem::Space::linear(&mesh), &model).unwrap_err();
         assert!(error.is_model() && error.to_string().contains(text), "{error}");
     };
     let material = |material: Material| Model { materials: vec![material], ..good.clone() };
@@ -372,7 +372,7 @@ fn bytes_on(threads: usize, mesh: &TetMesh, model: &Model, method: Method) -> Ve
     let solution = pool.install(|| analyse(mesh, model, method));
     let vectors = solution.displacement.iter().chain(&solution.reactions).flat_map(|v| v.to_array());
     let scalars = [solution.strain_energy, solution.info.residual];
-    vectors.chain(solution.stress.iter().flatten().copied()).chain(scalars).map(f64::to_bits).collect()
+    vectors.chain(solution.stress.means().iter().flatten().copied()).chain(scalars).map(f64::to_bits).collect()
 }
 
 #[test]

@@ -5,6 +5,7 @@
 
 use glam::DVec3;
 use std::path::{Path, PathBuf};
+use subsolid::fem::Space;
 use subsolid::mesh::TetMesh;
 use subsolid::output::options::Compression;
 use subsolid::output::plot::{Axis, dihedral_histogram, error_curves, error_histogram};
@@ -105,7 +106,7 @@ fn vtu_files_hold_the_numbers_given_under_every_compression() {
             let mesh = cube(n);
             let data = Data::on(&mesh);
             let file = format!("step_{step:03}.vtu");
-            write_vtu(&folder.join(&file), &mesh, &data.fields(step as f64), compression).unwrap();
+            write_vtu(&folder.join(&file), &Space::linear(&mesh), &data.fields(step as f64), compression).unwrap();
             files.push((step as f64, file.clone()));
             write_pvd(&folder.join("results.pvd"), &files).unwrap();
 
@@ -129,7 +130,7 @@ fn vtu_files_hold_the_numbers_given_under_every_compression() {
 #[test]
 fn a_mesh_without_fields_is_a_file_too() {
     let path = kept_folder("bare").join("mesh.vtu");
-    write_vtu(&path, &cube(2), &Fields::default(), Compression::Lz4).unwrap();
+    write_vtu(&path, &Space::linear(&cube(2)), &Fields::default(), Compression::Lz4).unwrap();
     let piece = read(&path);
     assert!(piece.data.point.is_empty());
     assert_eq!(values(&piece.data.cell, "refinement_level"), [0.0; 48]);
@@ -142,7 +143,7 @@ fn the_same_fields_give_the_same_bytes() {
     let data = Data::on(&mesh);
     let bytes = ["a.vtu", "b.vtu"].map(|name| {
         let path = folder.path().join(name);
-        write_vtu(&path, &mesh, &data.fields(0.25), Compression::Lz4).unwrap();
+        write_vtu(&path, &Space::linear(&mesh), &data.fields(0.25), Compression::Lz4).unwrap();
         std::fs::read(path).unwrap()
     });
     assert!(bytes[0] == bytes[1]);
@@ -159,7 +160,7 @@ fn fields_that_do_not_fit_or_are_not_finite_are_refused_and_leave_no_file() {
     let mut numbers = vec![1.0; mesh.tets().len()];
     let write = |numbers: &[f64]| {
         let cells = vec![("von_mises", Values::Scalars(numbers))];
-        write_vtu(&path, &mesh, &Fields { cells, ..Fields::default() }, Compression::Lz4)
+        write_vtu(&path, &Space::linear(&mesh), &Fields { cells, ..Fields::default() }, Compression::Lz4)
     };
     let short = write(&numbers[1..]).unwrap_err().to_string();
     assert!(short.contains("\"von_mises\" has 5 values, the mesh asks for 6"), "{short}");

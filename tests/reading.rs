@@ -7,7 +7,8 @@ mod binary_msh;
 use assert_cmd::Command;
 use binary_msh::binary_msh;
 use std::path::{Path, PathBuf};
-use subsolid::mesh::read::{MeshFile, read};
+use subsolid::fem::Space;
+use subsolid::mesh::read::{Edges, MeshFile, read, read_with};
 use subsolid::mesh::{TetMesh, features::face_normal, generate};
 use subsolid::output::options::Compression;
 use subsolid::output::vtk::{Fields, write_vtu};
@@ -83,7 +84,7 @@ fn every_format_gives_the_same_mesh() {
     let reference = read(&file("gmsh22.msh")).unwrap().mesh;
     assert!((reference.volume() - 3.0 * 1.1 * 0.9).abs() < 1e-13);
     for (name, format, regions, groups) in FILES {
-        let MeshFile { mesh, format: found, notes } = read(&file(name)).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let MeshFile { mesh, format: found, notes, .. } = read(&file(name)).unwrap_or_else(|e| panic!("{name}: {e}"));
         assert_eq!(found, format, "{name}");
         assert!((mesh.volume() - reference.volume()).abs() < digits(name), "{name}: {}", mesh.volume());
         assert_eq!(mesh.faces().len(), reference.faces().len(), "{name}");
@@ -150,7 +151,7 @@ fn our_own_files_read_back_to_the_same_mesh() {
         let flags = vec![true; mesh.tets().len()];
         let fields =
             Fields { cells: vec![("marked", subsolid::output::vtk::Values::Flags(&flags))], ..Fields::default() };
-        write_vtu(&path, &mesh, &fields, compression).unwrap();
+        write_vtu(&path, &Space::linear(&mesh), &fields, compression).unwrap();
         let again = read(&path).unwrap().mesh;
         assert_eq!((again.points(), again.tets()), (mesh.points(), mesh.tets()), "{compression:?}");
         assert_eq!(again.regions(), mesh.regions(), "{compression:?}");
@@ -169,4 +170,53 @@ fn both_orders_of_bytes_are_read() {
         let again = read(&path).unwrap().mesh;
         assert_eq!((again.points(), again.tets()), (mesh.points(), mesh.tets()));
     }
+}
+
+/// A round bar of curved ten-node cells, whose mid-side nodes each format lists in an order of its own.
+#[test]
+fn curved_edges_come_out_of_every_format() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |name: &str, more: &[&str]| {
+        std::fs::write(folder.path().join("part.toml"), scenario(&file(name)).replace("offset = 3.0", "offset = 2.0"))
+            .unwrap();
+        let mut command = Command::cargo_bin("subsolid").unwrap();
+        command.current_dir(&folder).args(["run", "part.toml", "--quiet", "--json", "-"]);
+        command.args([
+            "--set",
+            "analysis.element=tet10",
+            "--set",
+            "solver.method=direct",
+            "--set",
+            "solver.tolerance=1e-11",
+        ]);
+        let output = command.args(more).output().unwrap();
+        assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+        let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        report["steps"][0]["strain_energy"].as_f64().unwrap()
+    };
+    let curved = ["--set", "mesh.midside=curved"];
+    let reference = run("curved22.msh", &curved);
+    let straight = run("curved22.msh", &[]);
+    assert!(
+        (straight - reference).abs() > 0.05 * reference,
+        "{straight} {reference}: the bar is hexagonal without its curves"
+    );
+    for name in ["curved41_binary.msh", "curved.inp", "curved.mesh", "curved.vtk", "curved.vtu"] {
+        let energy = run(name, &curved);
+        assert!((energy - reference).abs() < 1e-10 * reference, "{name}: {energy} {reference}");
+    }
+}
+
+/// A mid-side node moved far along its edge folds the cells there.
+#[test]
+fn folded_curved_cells_are_refused_by_their_ids() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(file("curved.inp")).unwrap();
+    // The mid-side node 18 lies on the rim.
+    let line = text.lines().find(|l| l.starts_with("75,")).unwrap();
+    let moved = folder.path().join("folded.inp");
+    std::fs::write(&moved, text.replace(line, "75, 1.0, 0.1, 0.1")).unwrap();
+    let error = read_with(&moved, Edges::Curved).unwrap_err().to_string();
+    assert!(error.contains("folded") && error.contains("ids "), "{error}");
+    assert!(read(&moved).unwrap().midsides.is_empty(), "straight edges do not mind");
 }

@@ -182,10 +182,9 @@ fn an_unknown_value_lists_what_there_is() {
 fn what_the_format_reserves_is_refused_with_what_to_use() {
     for (text, word) in [
         ("[solver]\nmethod = \"amg-cg\"", "\"cg\""),
-        ("[analysis]\nelement = \"tet10\"", "\"tet4\""),
+        ("[analysis]\nelement = \"hex8\"", "\"tet10\""),
         ("[refine]\nboundary = \"fixed-trisection\"", "\"fixed\""),
         ("[refine]\nengine = \"x\"", "engine"),
-        ("[mesh]\nfile = \"a\"\nmidside = \"curved\"", "\"straight\""),
         ("[mesh.box]\nsize = [1, 1, 1]\ncells = [1, 1, 1]\nelement = \"hex\"", "\"tet\""),
     ] {
         let fault = refuse(text, &[]);

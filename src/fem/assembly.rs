@@ -1,13 +1,13 @@
 //! The linear system: stiffness, nodal forces, and which displacements are prescribed.
 
-use super::block_matrix::{BlockMatrix, CHUNK};
+use super::block_matrix::BlockMatrix;
+use super::gather::gather;
 use super::numbering::Dofs;
-use super::{FemError, Model, check, loads, springs, tet4};
-use crate::mesh::topology::VertexCells;
+use super::options::Element;
+use super::{FemError, Model, Space, check, loads, quadratic, springs, tet4, tet10};
+use crate::mesh::topology::NodeCells;
 use crate::mesh::{TetMesh, quality};
 use glam::{DMat3, DVec3};
-use rayon::prelude::*;
-use std::ops::Range;
 
 /// The linear system `K u = f` of all nodes, with the displacements that are prescribed.
 #[derive(Debug, Clone)]
@@ -23,13 +23,13 @@ pub struct System {
     pub(super) linear: Option<Linear>,
 }
 
-/// The vertices of ten-node cells with straight edges: the first nodes, before the midpoints of the edges.
+/// The vertices of ten-node cells: the first nodes, before those on edges.
 #[derive(Debug, Clone)]
 pub(super) struct Linear {
-    /// Stiffness of the four-node cells between the vertices: `P^T K P`, where `P` gives midpoints the mean of their edge's
-    /// ends.
+    /// Stiffness of the four-node cells between the vertices. Where edges are straight it is `P^T K P`, with `P` that gives
+    /// the middle of an edge the mean of its ends.
     pub stiffness: BlockMatrix,
-    /// The vertices that each midpoint lies between.
+    /// The vertices that each node on an edge lies between.
     pub ends: Vec<[u32; 2]>,
 }
 
@@ -53,87 +53,37 @@ impl System {
     }
 }
 
-/// Assembles stiffness, loads and supports of a model on a mesh.
+/// Assembles stiffness, loads and supports of a model on the elements of a mesh.
 ///
 /// It does not ask whether the supports hold the solid: see [`super::check_constraints`], which is needed once only, as
 /// refinement inherits the supports.
 ///
 /// # Errors
 /// A material, support or load that makes no sense on this mesh; see [`FemError`].
-pub fn assemble(mesh: &TetMesh, model: &Model) -> Result<System, FemError> {
-    check::check(mesh, model)?;
-    let numbering = Dofs::new(mesh, model)?;
-    let loads = loads::nodal_forces(mesh, model)?;
-    let mut stiffness = stiffness(mesh, model);
-    springs::add(mesh, model, &mut stiffness);
-    Ok(System { stiffness, loads, numbering, points: mesh.points().to_vec(), linear: None })
+pub fn assemble(space: &Space<'_>, model: &Model) -> Result<System, FemError> {
+    check::check(space.mesh(), model)?;
+    let numbering = Dofs::new(space, model)?;
+    let loads = loads::nodal_forces(space, model)?;
+    let (mut stiffness, linear) = match space.element() {
+        Element::Tet4 => (stiffness(space.mesh(), model), None),
+        Element::Tet10 => (quadratic::stiffness(space, model), Some(linear(space, model))),
+    };
+    springs::add(space, model, &mut stiffness);
+    Ok(System { stiffness, loads, numbering, points: space.points().to_vec(), linear })
 }
 
-/// The stiffness of all nodes. Each row is gathered by one task from the cells of its node in ascending order, so that
-/// no atomics are needed and the bytes do not depend on the number of threads.
+/// The stiffness between the vertices as nodes of four-node cells.
 fn stiffness(mesh: &TetMesh, model: &Model) -> BlockMatrix {
-    let cells = VertexCells::new(mesh.points().len(), mesh.tets());
-    let rows = mesh.points().len();
-    let (starts, columns) = pattern(rows, &cells, mesh.tets());
+    let cells = NodeCells::new(mesh.points().len(), mesh.tets());
     let lame: Vec<[f64; 2]> = model.materials.iter().map(|m| [m.lambda(), m.mu()]).collect();
-    let mut blocks = vec![DMat3::ZERO; columns.len()];
-    let first_rows: Vec<usize> = (0..rows).step_by(CHUNK).collect();
-    let mut chunks = Vec::with_capacity(first_rows.len());
-    let mut rest = blocks.as_mut_slice();
-    for first in first_rows {
-        let last = rows.min(first + CHUNK);
-        let (chunk, tail) = rest.split_at_mut(starts[last] - starts[first]);
-        chunks.push((first..last, chunk));
-        rest = tail;
-    }
-    let gather = |slots: &mut Vec<u32>, (range, mut chunk): (Range<usize>, &mut [DMat3])| {
-        for i in range {
-            let row = &columns[starts[i]..starts[i + 1]];
-            let (blocks, tail) = chunk.split_at_mut(row.len());
-            (0..).zip(row).for_each(|(slot, &v)| slots[v as usize] = slot);
-            gather_row(mesh, &lame, i as u32, cells.at(i as u32), slots, blocks);
-            chunk = tail;
-        }
-    };
-    chunks.into_par_iter().for_each_init(|| vec![0; rows], gather);
-    BlockMatrix { starts, columns, blocks }
+    let nodes = |t: u32| mesh.tets()[t as usize].into_iter();
+    gather(&cells, mesh.points().len(), nodes, |i, places, blocks| {
+        gather_row(mesh, &lame, i, cells.at(i), places, blocks);
+    })
 }
 
-/// Nodes that share a cell with each node (itself included), ascending, as compressed rows; `cells` are the cells at each
-/// node, `nodes` the nodes of each cell.
-fn pattern<const K: usize>(rows: usize, cells: &VertexCells, nodes: &[[u32; K]]) -> (Vec<usize>, Vec<u32>) {
-    const NEVER: u32 = u32::MAX;
-    let chunk = |seen: &mut Vec<u32>, chunk: usize| {
-        let (mut lengths, mut columns) = (Vec::with_capacity(CHUNK), Vec::new());
-        for i in chunk * CHUNK..rows.min((chunk + 1) * CHUNK) {
-            let first = columns.len();
-            for v in cells.at(i as u32).iter().flat_map(|&t| nodes[t as usize]) {
-                if seen[v as usize] != i as u32 {
-                    seen[v as usize] = i as u32;
-                    columns.push(v);
-                }
-            }
-            columns[first..].sort_unstable();
-            lengths.push(columns.len() - first);
-        }
-        (lengths, columns)
-    };
-    let chunks = (0..rows.div_ceil(CHUNK)).into_par_iter().map_init(|| vec![NEVER; rows], chunk);
-    let chunks: Vec<(Vec<usize>, Vec<u32>)> = chunks.collect();
-    let mut starts = Vec::with_capacity(rows + 1);
-    starts.push(0);
-    let mut columns = Vec::with_capacity(chunks.iter().map(|(_, c)| c.len()).sum());
-    for (lengths, chunk) in chunks {
-        for length in lengths {
-            starts.push(starts[starts.len() - 1] + length);
-        }
-        columns.extend_from_slice(&chunk);
-    }
-    (starts, columns)
-}
-
-/// Adds the blocks of node `i` from its cells; `slots` says where the block of each of its neighbours is.
-fn gather_row(mesh: &TetMesh, lame: &[[f64; 2]], i: u32, cells: &[u32], slots: &[u32], blocks: &mut [DMat3]) {
+/// Adds the blocks of node `i` from its cells; `places` says where the block of each of its neighbours is.
+fn gather_row(mesh: &TetMesh, lame: &[[f64; 2]], i: u32, cells: &[u32], places: &[u32], blocks: &mut [DMat3]) {
     let region = |t: &u32| mesh.regions()[*t as usize].0 as usize;
     let one = cells.first().map(region).filter(|&one| cells.iter().all(|t| region(t) == one));
     for &t in cells {
@@ -143,20 +93,26 @@ fn gather_row(mesh: &TetMesh, lame: &[[f64; 2]], i: u32, cells: &[u32], slots: &
         // With grad N_i = -n_i / (6 V), `V grad N_i grad N_j^T` is this times `n_i n_j^T`.
         let weight = 1.0 / (36.0 * quality::volume(p));
         // Node i belongs to its cells.
-        let own = tet.iter().position(|&v| v == i).map_or(DVec3::ZERO, |a| n[a]);
+        let own = weight * tet.iter().position(|&v| v == i).map_or(DVec3::ZERO, |a| n[a]);
         for (v, n) in tet.into_iter().zip(n) {
-            let block = &mut blocks[slots[v as usize] as usize];
+            let block = &mut blocks[places[v as usize] as usize];
             if one.is_some() {
                 // In one material the products are summed up first.
-                let n = weight * n;
-                *block += DMat3::from_cols(own * n.x, own * n.y, own * n.z);
+                *block += tet10::outer(own, n);
             } else {
-                let [lambda, mu] = lame[region(&t)].map(|modulus| weight * modulus);
+                let [lambda, mu] = lame[region(&t)];
                 *block += tet4::stiffness_block(lambda, mu, own, n);
             }
         }
     }
     if let Some([lambda, mu]) = one.map(|region| lame[region]) {
-        blocks.iter_mut().for_each(|block| *block = tet4::isotropic(lambda, mu, *block));
+        blocks.iter_mut().for_each(|block| *block = tet10::stiffness_block(lambda, mu, *block));
     }
+}
+
+/// What the vertices of ten-node cells are.
+fn linear(space: &Space<'_>, model: &Model) -> Linear {
+    let mut stiffness = stiffness(space.mesh(), model);
+    springs::add(&Space::linear(space.mesh()), model, &mut stiffness);
+    Linear { stiffness, ends: space.midside().to_vec() }
 }

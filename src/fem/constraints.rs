@@ -5,7 +5,7 @@
 //! that edge. What the supports leave of this kernel is found from a small dense eigenproblem, before any large matrix.
 
 use super::numbering::Dofs;
-use super::{FemError, Model, check};
+use super::{FemError, Model, Space, check};
 use crate::mesh::{TetMesh, topology};
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
@@ -20,15 +20,15 @@ const MAX_COUPLED: usize = 64;
 /// Parts named in an error.
 const MAX_NAMED: usize = 3;
 
-/// Checks that the supports of a model leave no rigid motion of any part free. Refinement inherits supports, so once on
-/// the input mesh is enough.
+/// Checks that the supports of a model leave no rigid motion of any part free. Refinement inherits supports, and what holds
+/// the vertices of flat faces holds all their nodes, so once on the input mesh is enough.
 ///
 /// # Errors
 /// [`FemError::FreeMotion`] names the motion; others as [`super::assemble`].
 pub fn check_constraints(mesh: &TetMesh, model: &Model) -> Result<(), FemError> {
     check::check(mesh, model)?;
     let bodies = Bodies::new(mesh);
-    let rows = bodies.constraint_rows(mesh, model, &Dofs::new(mesh, model)?);
+    let rows = bodies.constraint_rows(mesh, model, &Dofs::new(&Space::linear(mesh), model)?);
     let mut motions = Vec::new();
     for cluster in bodies.clusters() {
         let free = free_motions(&cluster, &rows);

@@ -1,15 +1,14 @@
 //! Consistent nodal forces of the loads.
 
-use super::{FemError, Load, LoadKind, Model, quadrature, tet4};
+use super::{FemError, Load, LoadKind, Model, Space, tet4};
 use crate::field::{Field, VectorField};
-use crate::mesh::features::face_normal;
-use crate::mesh::{Face, GroupId, TetMesh};
+use crate::mesh::{GroupId, TetMesh};
 use glam::DVec3;
 
 /// The force at each node, `f_i = int N_i t dA + int N_i b dV`, summed in the order of the model.
-pub(super) fn nodal_forces(mesh: &TetMesh, model: &Model) -> Result<Vec<DVec3>, FemError> {
-    let mut forces = vec![DVec3::ZERO; mesh.points().len()];
-    model.loads.iter().try_for_each(|load| add(mesh, model, load, &mut forces))?;
+pub(super) fn nodal_forces(space: &Space<'_>, model: &Model) -> Result<Vec<DVec3>, FemError> {
+    let mut forces = vec![DVec3::ZERO; space.points().len()];
+    model.loads.iter().try_for_each(|load| add(space, model, load, &mut forces))?;
     Ok(forces)
 }
 
@@ -17,109 +16,72 @@ pub(super) fn nodal_forces(mesh: &TetMesh, model: &Model) -> Result<Vec<DVec3>, 
 ///
 /// # Errors
 /// [`FemError::NotFiniteAt`] names the point where an expression has no finite value.
-pub fn load_forces(mesh: &TetMesh, model: &Model, load: &Load) -> Result<Vec<DVec3>, FemError> {
-    let mut forces = vec![DVec3::ZERO; mesh.points().len()];
-    add(mesh, model, load, &mut forces)?;
+pub fn load_forces(space: &Space<'_>, model: &Model, load: &Load) -> Result<Vec<DVec3>, FemError> {
+    let mut forces = vec![DVec3::ZERO; space.points().len()];
+    add(space, model, load, &mut forces)?;
     Ok(forces)
 }
 
-fn add(mesh: &TetMesh, model: &Model, load: &Load, forces: &mut [DVec3]) -> Result<(), FemError> {
+fn add(space: &Space<'_>, model: &Model, load: &Load, forces: &mut [DVec3]) -> Result<(), FemError> {
     match &load.kind {
-        LoadKind::Traction(group, field) => match field.constant() {
-            Some(t) => add_to_faces(mesh, *group, forces, |normal| 0.5 * normal.length() * t),
-            None => {
-                integrate_faces(mesh, *group, forces, |normal, x| Ok(0.5 * normal.length() * vector(field, x, load)?))?;
-            }
-        },
-        LoadKind::Pressure(group, field) => match field.constant() {
-            Some(p) => add_to_faces(mesh, *group, forces, |normal| -0.5 * p * normal),
-            None => integrate_faces(mesh, *group, forces, |normal, x| Ok(-0.5 * scalar(field, x, load)? * normal))?,
-        },
+        LoadKind::Traction(group, field) => {
+            integrate_faces(space, *group, forces, |area, x| Ok(area.length() * vector(field, x, load)?))?;
+        }
+        LoadKind::Pressure(group, field) => {
+            integrate_faces(space, *group, forces, |area, x| Ok(-scalar(field, x, load)? * area))?;
+        }
         LoadKind::Force(group, force) => {
-            let traction = *force / group_area(mesh, *group);
-            add_to_faces(mesh, *group, forces, |normal| 0.5 * normal.length() * traction);
+            let traction = *force / group_area(space, *group);
+            integrate_faces(space, *group, forces, |area, _| Ok(area.length() * traction))?;
         }
         LoadKind::PointForce(x, force) => {
-            let host = host(mesh, *x);
-            for (v, weight) in mesh.tets()[host.cell].into_iter().zip(host.weights) {
-                forces[v as usize] += weight * *force;
-            }
+            let host = host(space.mesh(), *x);
+            let shape = space.shape(host.weights);
+            space.cell(host.cell).zip(shape).for_each(|(v, n)| forces[v as usize] += n * *force);
         }
-        LoadKind::BodyForce(field) => match field.constant() {
-            Some(b) => add_to_cells(mesh, forces, |_| b),
-            None => integrate_cells(mesh, forces, |x| vector(field, x, load))?,
-        },
+        LoadKind::BodyForce(field) => integrate_cells(space, forces, |_, x| vector(field, x, load))?,
         LoadKind::Gravity(acceleration) => {
-            let density = |t: usize| model.materials[mesh.regions()[t].0 as usize].density;
-            add_to_cells(mesh, forces, |t| density(t) * *acceleration);
+            let density = |t: usize| model.materials[space.mesh().regions()[t].0 as usize].density;
+            integrate_cells(space, forces, |t, _| Ok(density(t) * *acceleration))?;
         }
     }
     Ok(())
 }
 
-/// Gives each corner of a face a third of the face's force, which is a function of its normal (twice the area long).
-fn add_to_faces(mesh: &TetMesh, group: GroupId, forces: &mut [DVec3], force: impl Fn(DVec3) -> DVec3) {
-    for face in mesh.group_faces(group) {
-        let third = force(face_normal(mesh.points(), face.vertices)) / 3.0;
-        for v in face.vertices {
-            forces[v as usize] += third;
-        }
-    }
-}
-
-/// Integrates `N_i` times a force, a function of the face's normal and of the place.
+/// Integrates `N_i` times a force, a function of the outward area vector and of the place.
 fn integrate_faces(
-    mesh: &TetMesh,
+    space: &Space<'_>,
     group: GroupId,
     forces: &mut [DVec3],
     force: impl Fn(DVec3, DVec3) -> Result<DVec3, FemError>,
 ) -> Result<(), FemError> {
-    for face in mesh.group_faces(group) {
-        let normal = face_normal(mesh.points(), face.vertices);
-        for (shape, weight, x) in quadrature::triangle(corners(mesh, face)) {
-            let force = weight * force(normal, x)?;
-            for (v, n) in face.vertices.into_iter().zip(shape) {
-                forces[v as usize] += n * force;
-            }
+    for face in space.mesh().group_faces(group) {
+        for (l, x, area) in space.face_rule(face) {
+            let force = force(area, x)?;
+            space.face(face).zip(space.face_shape(l)).for_each(|(v, n)| forces[v as usize] += n * force);
         }
     }
     Ok(())
 }
 
-/// Gives each vertex of a cell a quarter of its force; `density` is its force per volume.
-fn add_to_cells(mesh: &TetMesh, forces: &mut [DVec3], density: impl Fn(usize) -> DVec3) {
-    for (t, tet) in mesh.tets().iter().enumerate() {
-        let quarter = 0.25 * mesh.cell_volume(t) * density(t);
-        for &v in tet {
-            forces[v as usize] += quarter;
-        }
-    }
-}
-
-/// Integrates `N_i` times a force per volume.
+/// Integrates `N_i` times a force per volume, a function of the cell and of the place.
 fn integrate_cells(
-    mesh: &TetMesh,
+    space: &Space<'_>,
     forces: &mut [DVec3],
-    density: impl Fn(DVec3) -> Result<DVec3, FemError>,
+    density: impl Fn(usize, DVec3) -> Result<DVec3, FemError>,
 ) -> Result<(), FemError> {
-    for (t, tet) in mesh.tets().iter().enumerate() {
-        let volume = mesh.cell_volume(t);
-        for (shape, weight, x) in quadrature::tetrahedron(mesh.cell_points(t)) {
-            let force = weight * volume * density(x)?;
-            for (&v, n) in tet.iter().zip(shape) {
-                forces[v as usize] += n * force;
-            }
+    for t in 0..space.mesh().tets().len() {
+        for (l, x, volume) in space.cell_rule(t) {
+            let force = volume * density(t, x)?;
+            space.cell(t).zip(space.shape(l)).for_each(|(v, n)| forces[v as usize] += n * force);
         }
     }
     Ok(())
 }
 
-fn corners(mesh: &TetMesh, face: &Face) -> [DVec3; 3] {
-    face.vertices.map(|v| mesh.points()[v as usize])
-}
-
-fn group_area(mesh: &TetMesh, group: GroupId) -> f64 {
-    mesh.group_faces(group).map(|f| 0.5 * face_normal(mesh.points(), f.vertices).length()).sum()
+fn group_area(space: &Space<'_>, group: GroupId) -> f64 {
+    let faces = space.mesh().group_faces(group);
+    faces.flat_map(|f| space.face_rule(f)).map(|(_, _, area)| area.length()).sum()
 }
 
 /// The value of a load's field.

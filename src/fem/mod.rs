@@ -1,6 +1,6 @@
 //! Linear elasticity: a mesh and a model in, displacement, stress, energy and reactions out.
 //!
-//! Small strains, isotropic materials, four-node tetrahedra. Tensors are ordered XX YY ZZ XY YZ XZ; shear strains in
+//! Small strains, isotropic materials, tetrahedra of four nodes or ten. Tensors are ordered XX YY ZZ XY YZ XZ; shear strains in
 //! this order are the tensor's own components (not the engineering shear), stresses likewise.
 
 mod assembly;
@@ -10,17 +10,22 @@ mod clip;
 mod constraints;
 mod error;
 mod exact;
+mod gather;
 mod loads;
 mod material;
 mod numbering;
 pub mod options;
+mod quadratic;
 mod quadrature;
 mod quantity;
 mod recover;
 mod solve;
+mod space;
 mod springs;
+mod stress;
 #[cfg(test)]
 mod tests;
+mod tet10;
 mod tet4;
 
 pub use assembly::{System, assemble};
@@ -33,6 +38,8 @@ pub use numbering::{Prescribed, prescribed};
 pub use quantity::{Cells, Extent, Quantity, QuantityKind, State};
 pub use recover::{Solution, global_balance, recover};
 pub use solve::{Solved, SolverInfo, solve};
+pub use space::Space;
+pub use stress::Stress;
 
 use crate::field::{Field, VectorField};
 use crate::mesh::GroupId;

@@ -1,7 +1,6 @@
 //! The numbering of degrees of freedom: the only place that knows which are unknown and which are prescribed.
 
-use super::{FemError, Model};
-use crate::mesh::TetMesh;
+use super::{FemError, Model, Space};
 use glam::DVec3;
 
 /// A prescribed component of a node's displacement.
@@ -30,18 +29,18 @@ pub(super) struct Dofs {
 }
 
 impl Dofs {
-    /// Numbers the nodes of a mesh under the supports of a model.
+    /// Numbers the nodes under the supports of a model.
     ///
     /// # Errors
     /// [`FemError::ConflictingSupports`].
-    pub fn new(mesh: &TetMesh, model: &Model) -> Result<Self, FemError> {
-        Ok(Self::from_prescribed(mesh, prescribed(mesh, model)?))
+    pub fn new(space: &Space<'_>, model: &Model) -> Result<Self, FemError> {
+        Ok(Self::from_prescribed(space, prescribed(space, model)?))
     }
 
     /// Numbers the nodes when the prescribed components are given, sorted and each once.
-    pub fn from_prescribed(mesh: &TetMesh, prescribed: Vec<Prescribed>) -> Self {
-        let mut mask = vec![DVec3::ZERO; mesh.points().len()];
-        for &v in mesh.tets().iter().flatten() {
+    pub fn from_prescribed(space: &Space<'_>, prescribed: Vec<Prescribed>) -> Self {
+        let mut mask = vec![DVec3::ZERO; space.points().len()];
+        for v in (0..space.mesh().tets().len()).flat_map(|t| space.cell(t)) {
             mask[v as usize] = DVec3::ONE;
         }
         for p in &prescribed {
@@ -93,18 +92,18 @@ const SAME: f64 = 1e-10;
 ///
 /// # Errors
 /// [`FemError::ConflictingSupports`]; [`FemError::NotFiniteAt`] where an expression has no finite value.
-pub fn prescribed(mesh: &TetMesh, model: &Model) -> Result<Vec<Prescribed>, FemError> {
+pub fn prescribed(space: &Space<'_>, model: &Model) -> Result<Vec<Prescribed>, FemError> {
     let mut all = Vec::new();
     for (support, s) in model.supports.iter().enumerate() {
-        let mut nodes: Vec<u32> = mesh.group_faces(s.group).flat_map(|f| f.vertices).collect();
+        let mut nodes: Vec<u32> = space.mesh().group_faces(s.group).flat_map(|f| space.face(f)).collect();
         nodes.sort_unstable();
         nodes.dedup();
         for (component, field) in s.displacement.iter().enumerate() {
             let Some(field) = field else { continue };
             for &node in &nodes {
-                let value = field.at(mesh.points()[node as usize]);
+                let value = field.at(space.points()[node as usize]);
                 if !value.is_finite() {
-                    return Err(FemError::not_finite_at("support", &s.name, field, mesh.points()[node as usize]));
+                    return Err(FemError::not_finite_at("support", &s.name, field, space.points()[node as usize]));
                 }
                 all.push(Prescribed { node, component: component as u8, value, support: support as u32 });
             }
@@ -115,13 +114,13 @@ pub fn prescribed(mesh: &TetMesh, model: &Model) -> Result<Vec<Prescribed>, FemE
     let rounding = SAME * all.iter().map(|p| p.value.abs()).fold(0.0, f64::max);
     let differ = |a: &Prescribed, b: &Prescribed| (a.value - b.value).abs() > rounding;
     if let Some(pair) = all.windows(2).find(|w| same(&w[0], &w[1]) && differ(&w[0], &w[1])) {
-        return Err(conflict(mesh, model, pair[0], pair[1]));
+        return Err(conflict(space, model, pair[0], pair[1]));
     }
     all.dedup_by(|b, a| same(a, b));
     Ok(all)
 }
 
-fn conflict(mesh: &TetMesh, model: &Model, a: Prescribed, b: Prescribed) -> FemError {
+fn conflict(space: &Space<'_>, model: &Model, a: Prescribed, b: Prescribed) -> FemError {
     let name = |p: Prescribed| model.supports[p.support as usize].name.clone();
     FemError::ConflictingSupports {
         first: name(a),
@@ -129,6 +128,6 @@ fn conflict(mesh: &TetMesh, model: &Model, a: Prescribed, b: Prescribed) -> FemE
         axis: ["x", "y", "z"][a.component as usize],
         values: [a.value, b.value],
         vertex: a.node as usize,
-        position: mesh.points()[a.node as usize],
+        position: space.points()[a.node as usize],
     }
 }

@@ -3,6 +3,17 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+/// The finite element.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Element {
+    /// Tetrahedra with linear displacements between their vertices.
+    #[default]
+    Tet4,
+    /// Tetrahedra with quadratic displacements between their vertices and the midpoints of their straight edges.
+    Tet10,
+}
+
 /// How the linear system is solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]

@@ -2,8 +2,7 @@
 
 use super::clip::{self, Piece, WHOLE, Weights};
 use super::options::{Field, Total};
-use super::{Model, Solution, SymTensor, double_contraction, von_mises};
-use crate::mesh::features::face_normal;
+use super::{Model, Solution, Space, SymTensor, von_mises};
 use crate::mesh::locate::Located;
 use crate::mesh::{GroupId, RegionId, TetMesh};
 use glam::DVec3;
@@ -68,34 +67,31 @@ impl Cells {
     /// Volume of what belongs here.
     #[must_use]
     pub fn volume(&self, mesh: &TetMesh) -> f64 {
-        self.integral(mesh, |_| 1.0)
+        self.integral(mesh, |_, _| 1.0)
     }
 
-    /// Integral of a density that is constant on each cell.
-    fn integral(&self, mesh: &TetMesh, density: impl Fn(usize) -> f64) -> f64 {
-        let part = |t: usize| self.pieces(mesh, t).iter().map(clip::share).sum::<f64>();
-        (0..mesh.tets().len()).map(|t| (t, part(t))).map(|(t, part)| part * mesh.cell_volume(t) * density(t)).sum()
+    /// Integral of a density, given by its mean over a piece of a cell.
+    fn integral(&self, mesh: &TetMesh, density: impl Fn(usize, &Piece) -> f64) -> f64 {
+        let part = |t: usize| self.pieces(mesh, t).iter().map(|p| clip::share(p) * density(t, p)).sum::<f64>();
+        (0..mesh.tets().len()).map(|t| part(t) * mesh.cell_volume(t)).sum()
     }
 }
 
 /// A solution on its mesh, with the stress recovered at the vertices.
 #[derive(Debug, Clone, Copy)]
 pub struct State<'a> {
-    /// The mesh.
-    pub mesh: &'a TetMesh,
+    /// The mesh and its nodes.
+    pub space: &'a Space<'a>,
     /// What was solved on it.
     pub model: &'a Model,
     /// The solution.
     pub solution: &'a Solution,
-    /// Recovered stress at each vertex.
+    /// Recovered stress at each node.
     pub nodal_stress: &'a [SymTensor],
 }
 
 /// Corners of the quadrature rule of degree 2 on tetrahedra: one coordinate, and the three others.
 const TET_RULE: [f64; 2] = [0.585_410_196_624_968_5, 0.138_196_601_125_010_5];
-
-/// Those of the rule of degree 2 on triangles.
-const TRIANGLE_RULE: [f64; 2] = [2.0 / 3.0, 1.0 / 6.0];
 
 impl State<'_> {
     /// The number that a quantity is; `locate` finds the cell of a point. NaN where an average has nothing to average.
@@ -107,7 +103,7 @@ impl State<'_> {
             QuantityKind::Maximum(field, extent) => self.maximum(field, extent),
             QuantityKind::Value(field, point) => {
                 let found = locate(point);
-                self.at(field, self.mesh.tets()[found.cell], found.weights)
+                self.at(field, found.cell, found.weights)
             }
             QuantityKind::Total(what, cells) => self.total(what, cells),
             QuantityKind::Reaction(support, component) => self.solution.reactions[support][component],
@@ -117,100 +113,109 @@ impl State<'_> {
     /// The displacement at a point of a cell.
     #[must_use]
     pub fn displacement(&self, cell: usize, weights: [f64; 4]) -> DVec3 {
-        interpolate(&self.solution.displacement, self.mesh.tets()[cell], weights)
+        self.space.interpolate(&self.solution.displacement, cell, weights)
     }
 
     /// The recovered stress at a point of a cell.
     #[must_use]
     pub fn stress(&self, cell: usize, weights: [f64; 4]) -> SymTensor {
-        self.stress_between(self.mesh.tets()[cell], weights)
+        self.stress_between(self.space.cell(cell).zip(self.space.shape(weights)))
     }
 
-    fn stress_between<const N: usize>(&self, vertices: [u32; N], weights: [f64; N]) -> SymTensor {
+    fn stress_between(&self, nodes: impl Iterator<Item = (u32, f64)>) -> SymTensor {
         let mut stress = [0.0; 6];
-        for (v, w) in vertices.into_iter().zip(weights) {
-            stress.iter_mut().zip(self.nodal_stress[v as usize]).for_each(|(sum, s)| *sum += w * s);
+        for (v, n) in nodes {
+            stress.iter_mut().zip(self.nodal_stress[v as usize]).for_each(|(sum, s)| *sum += n * s);
         }
         stress
     }
 
-    /// A field between vertices, of the displacement and of the recovered stress.
-    fn at<const N: usize>(&self, field: Field, vertices: [u32; N], weights: [f64; N]) -> f64 {
-        match field {
-            field if field.is_stress() => of_stress(field, self.stress_between(vertices, weights)),
-            field => of_displacement(field, interpolate(&self.solution.displacement, vertices, weights)),
+    /// A field at a point of a cell, of the displacement and of the recovered stress.
+    fn at(&self, field: Field, cell: usize, weights: [f64; 4]) -> f64 {
+        self.between(field, self.space.cell(cell).zip(self.space.shape(weights)))
+    }
+
+    /// A field between nodes, given with their shape functions.
+    fn between(&self, field: Field, nodes: impl Iterator<Item = (u32, f64)>) -> f64 {
+        if field.is_stress() {
+            of_stress(field, self.stress_between(nodes))
+        } else {
+            of_displacement(field, nodes.map(|(v, n)| n * self.solution.displacement[v as usize]).sum())
         }
     }
 
     fn face_mean(&self, field: Field, group: GroupId) -> f64 {
         let (mut sum, mut area) = (0.0, 0.0);
-        for face in self.mesh.group_faces(group) {
-            let weight = face_normal(self.mesh.points(), face.vertices).length();
-            let values = (0..3).map(|i| self.at(field, face.vertices, corner_weights(TRIANGLE_RULE, i)));
-            sum += weight * values.sum::<f64>() / 3.0;
-            area += weight;
+        for face in self.space.mesh().group_faces(group) {
+            for (l, _, weight) in self.space.face_rule(face) {
+                let weight = weight.length();
+                sum += weight * self.between(field, self.space.face(face).zip(self.space.face_shape(l)));
+                area += weight;
+            }
         }
         sum / area
     }
 
     fn cell_mean(&self, field: Field, cells: Cells) -> f64 {
-        let (mut sum, mut volume) = (0.0, 0.0);
-        for t in 0..self.mesh.tets().len() {
-            for piece in cells.pieces(self.mesh, t) {
-                let weight = clip::share(&piece) * self.mesh.cell_volume(t);
-                let mean = if field.is_stress() {
-                    of_stress(field, self.solution.stress[t])
-                } else {
-                    let points = (0..4).map(|i| inner_point(&piece, corner_weights(TET_RULE, i)));
-                    points.map(|w| of_displacement(field, self.displacement(t, w))).sum::<f64>() / 4.0
+        let (mesh, mut sum, mut volume) = (self.space.mesh(), 0.0, 0.0);
+        for t in 0..mesh.tets().len() {
+            for piece in cells.pieces(mesh, t) {
+                let weight = clip::share(&piece) * mesh.cell_volume(t);
+                let points = (0..4).map(|i| inner_point(&piece, corner_weights(TET_RULE, i)));
+                let value = |l: Weights| {
+                    if field.is_stress() {
+                        of_stress(field, self.solution.stress.at(t, l))
+                    } else {
+                        of_displacement(field, self.displacement(t, l))
+                    }
                 };
-                sum += weight * mean;
+                sum += weight * points.map(value).sum::<f64>() / 4.0;
                 volume += weight;
             }
         }
         sum / volume
     }
 
-    /// Fields between vertices are convex, so that their maximum over a polytope is at one of its corners.
+    /// The largest value at nodes and at corners of cut cells. Between the nodes of four-node cells fields are convex, so
+    /// that there is none larger; between those of ten-node cells there may be.
     fn maximum(&self, field: Field, extent: Extent) -> f64 {
         let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(f64::NEG_INFINITY, f64::max);
+        let node = |v: u32| self.between(field, std::iter::once((v, 1.0)));
+        let mesh = self.space.mesh();
         match extent {
-            Extent::Faces(group) => {
-                let vertices = self.mesh.group_faces(group).flat_map(|f| f.vertices);
-                largest(&mut vertices.map(|v| self.at(field, [v], [1.0])))
-            }
-            Extent::Cells(cells) => largest(&mut (0..self.mesh.tets().len()).map(|t| {
-                let corners = cells.pieces(self.mesh, t).into_iter().flatten();
-                largest(&mut corners.map(|w| self.at(field, self.mesh.tets()[t], w)))
+            Extent::Faces(group) => largest(&mut mesh.group_faces(group).flat_map(|f| self.space.face(f)).map(node)),
+            Extent::Cells(cells) => largest(&mut (0..mesh.tets().len()).map(|t| {
+                let pieces = cells.pieces(mesh, t);
+                if pieces == [WHOLE] {
+                    return largest(&mut self.space.cell(t).map(node));
+                }
+                largest(&mut pieces.into_iter().flatten().map(|w| self.at(field, t, w)))
             })),
         }
     }
 
     fn total(&self, what: Total, cells: Cells) -> f64 {
-        let material = |t: usize| &self.model.materials[self.mesh.regions()[t].0 as usize];
+        let mesh = self.space.mesh();
+        let material = |t: usize| &self.model.materials[mesh.regions()[t].0 as usize];
         match what {
-            Total::Volume => cells.volume(self.mesh),
-            Total::Mass => cells.integral(self.mesh, |t| material(t).density),
-            Total::StrainEnergy => cells.integral(self.mesh, |t| {
-                let stress = self.solution.stress[t];
-                0.5 * double_contraction(stress, material(t).strain(stress))
+            Total::Volume => cells.volume(mesh),
+            Total::Mass => cells.integral(mesh, |t, _| material(t).density),
+            Total::StrainEnergy => cells.integral(mesh, |t, piece| {
+                let density = |l| 0.5 * material(t).compliance_energy(self.solution.stress.at(t, l));
+                (0..4).map(|i| density(inner_point(piece, corner_weights(TET_RULE, i)))).sum::<f64>() / 4.0
             }),
         }
     }
 }
 
 /// The `i`-th point of a rule with one point a corner.
-fn corner_weights<const N: usize>([own, other]: [f64; 2], i: usize) -> [f64; N] {
+fn corner_weights([own, other]: [f64; 2], i: usize) -> Weights {
     std::array::from_fn(|j| if i == j { own } else { other })
 }
 
 /// A point of a piece, seen from its cell.
 fn inner_point(piece: &Piece, at: Weights) -> Weights {
     std::array::from_fn(|i| piece.iter().zip(at).map(|(corner, w)| w * corner[i]).sum())
-}
-
-fn interpolate<const N: usize>(values: &[DVec3], vertices: [u32; N], weights: [f64; N]) -> DVec3 {
-    vertices.into_iter().zip(weights).map(|(v, w)| w * values[v as usize]).sum()
 }
 
 fn of_displacement(field: Field, u: DVec3) -> f64 {

@@ -1,18 +1,16 @@
 //! Stress, energy and reactions of a solved system.
 
 use super::block_matrix::dot;
-use super::{Model, Solved, SolverInfo, SymTensor, System, springs, tet4};
-use crate::mesh::TetMesh;
+use super::{Model, Solved, SolverInfo, Space, Stress, System, springs};
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// What a linear-elastic analysis gives.
 #[derive(Debug, Clone)]
 pub struct Solution {
     /// Displacement of each node.
     pub displacement: Vec<DVec3>,
-    /// Stress in each cell, constant there.
-    pub stress: Vec<SymTensor>,
+    /// Stress of the elements.
+    pub stress: Stress,
     /// Energy stored in the solid: `u . K u / 2`; without the energy of elastic foundations.
     pub strain_energy: f64,
     /// Force that each support exerts on the solid. A component of a node that several supports prescribe is counted
@@ -24,37 +22,22 @@ pub struct Solution {
 
 /// Recovers stress, strain energy and reactions.
 #[must_use]
-pub fn recover(mesh: &TetMesh, model: &Model, system: &System, solved: &Solved) -> Solution {
+pub fn recover(space: &Space<'_>, model: &Model, system: &System, solved: &Solved) -> Solution {
     let u = &solved.displacement;
     let internal = system.stiffness.times(u);
-    let stress: Vec<SymTensor> = (0..mesh.tets().len())
-        .into_par_iter()
-        .map(|t| {
-            let (_, gradients) = tet4::gradients(mesh.cell_points(t));
-            let strain = tet4::strain(gradients, mesh.tets()[t].map(|v| u[v as usize]));
-            model.materials[mesh.regions()[t].0 as usize].stress(strain)
-        })
-        .collect();
+    let stress = Stress::of(space, model, u);
     let mut reactions = reactions(model, system, &internal);
     for (support, reaction) in model.supports.iter().zip(&mut reactions) {
-        *reaction += springs::reaction(mesh, support, u);
+        *reaction += springs::reaction(space, support, u);
     }
     let has_springs = model.supports.iter().any(|s| s.stiffness != DVec3::ZERO);
     Solution {
-        strain_energy: if has_springs { energy(mesh, model, &stress) } else { 0.5 * dot(u, &internal) },
+        strain_energy: if has_springs { stress.energies(space, model).sum() } else { 0.5 * dot(u, &internal) },
         stress,
         reactions,
         displacement: u.clone(),
         info: solved.info.clone(),
     }
-}
-
-/// `int s : C^-1 : s dV / 2`, in the order of the cells.
-fn energy(mesh: &TetMesh, model: &Model, stress: &[SymTensor]) -> f64 {
-    let cell = |(t, s): (usize, &SymTensor)| {
-        0.5 * mesh.cell_volume(t) * model.materials[mesh.regions()[t].0 as usize].compliance_energy(*s)
-    };
-    stress.iter().enumerate().map(cell).sum()
 }
 
 /// `K u - f` at the prescribed components, by support.

@@ -1,20 +1,18 @@
 //! Elastic foundations: force per area `-k u` on the faces of a support, k diagonal.
 
 use super::block_matrix::BlockMatrix;
-use super::{Model, Support};
-use crate::mesh::features::face_normal;
-use crate::mesh::{Face, TetMesh};
+use super::{Model, Space, Support};
+use crate::mesh::Face;
 use glam::{DMat3, DVec3};
 
-/// Adds `int N_i N_j k dA` to the stiffness; `int N_i N_j dA` is A / 12, twice that for i = j.
-pub(super) fn add(mesh: &TetMesh, model: &Model, stiffness: &mut BlockMatrix) {
+/// Adds `int N_i N_j k dA` to the stiffness.
+pub(super) fn add(space: &Space<'_>, model: &Model, stiffness: &mut BlockMatrix) {
     for support in model.supports.iter().filter(|s| s.stiffness != DVec3::ZERO) {
-        for face in mesh.group_faces(support.group) {
-            let twelfth = DMat3::from_diagonal(area(mesh, face) / 12.0 * support.stiffness);
-            for i in face.vertices {
-                for j in face.vertices {
+        for face in space.mesh().group_faces(support.group) {
+            for (i, row) in space.face(face).zip(shape_products(space, face)) {
+                for (j, product) in space.face(face).zip(row) {
                     if let Some(block) = stiffness.block_mut(i, j) {
-                        *block += if i == j { 2.0 * twelfth } else { twelfth };
+                        *block += DMat3::from_diagonal(product * support.stiffness);
                     }
                 }
             }
@@ -22,19 +20,29 @@ pub(super) fn add(mesh: &TetMesh, model: &Model, stiffness: &mut BlockMatrix) {
     }
 }
 
+/// Integrals of `N_i N_j` over a face.
+fn shape_products(space: &Space<'_>, face: &Face) -> [[f64; 6]; 6] {
+    let mut products = [[0.0; 6]; 6];
+    for (l, _, area) in space.face_rule(face) {
+        let (shape, weight) = (space.face_shape(l), area.length());
+        for (row, a) in products.iter_mut().zip(shape) {
+            row.iter_mut().zip(shape).for_each(|(product, b)| *product += weight * (a * b));
+        }
+    }
+    products
+}
+
 /// The force that the foundation of a support exerts on the solid.
-pub(super) fn reaction(mesh: &TetMesh, support: &Support, u: &[DVec3]) -> DVec3 {
+pub(super) fn reaction(space: &Space<'_>, support: &Support, u: &[DVec3]) -> DVec3 {
     if support.stiffness == DVec3::ZERO {
         return DVec3::ZERO;
     }
     let mut force = DVec3::ZERO;
-    for face in mesh.group_faces(support.group) {
-        let sum: DVec3 = face.vertices.iter().map(|&v| u[v as usize]).sum();
-        force -= area(mesh, face) / 3.0 * support.stiffness * sum;
+    for face in space.mesh().group_faces(support.group) {
+        for (l, _, area) in space.face_rule(face) {
+            let moved: DVec3 = space.face(face).zip(space.face_shape(l)).map(|(v, n)| n * u[v as usize]).sum();
+            force -= area.length() * support.stiffness * moved;
+        }
     }
     force
-}
-
-fn area(mesh: &TetMesh, face: &Face) -> f64 {
-    0.5 * face_normal(mesh.points(), face.vertices).length()
 }

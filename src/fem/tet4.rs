@@ -25,18 +25,11 @@ pub fn stiffness_block(lambda: f64, mu: f64, gi: DVec3, gj: DVec3) -> DMat3 {
     DMat3::from_cols(column(0, DVec3::X), column(1, DVec3::Y), column(2, DVec3::Z))
 }
 
-/// The same from the integral `s` of `g_i g_j^T`: `lambda s + mu s^T + mu tr(s) I`.
+/// The strain of nodal displacements, `e = sum_i sym(u_i g_i^T)`, from pairs of gradient and displacement.
 #[must_use]
-pub fn isotropic(lambda: f64, mu: f64, s: DMat3) -> DMat3 {
-    let trace = s.x_axis.x + s.y_axis.y + s.z_axis.z;
-    s * lambda + s.transpose() * mu + DMat3::from_diagonal(DVec3::splat(mu * trace))
-}
-
-/// The constant strain of nodal displacements, `e = sum_i sym(u_i g_i^T)`.
-#[must_use]
-pub fn strain(g: [DVec3; 4], u: [DVec3; 4]) -> SymTensor {
+pub fn strain(nodes: impl Iterator<Item = (DVec3, DVec3)>) -> SymTensor {
     let mut e = [0.0; 6];
-    for (g, u) in g.into_iter().zip(u) {
+    for (g, u) in nodes {
         e[0] += u.x * g.x;
         e[1] += u.y * g.y;
         e[2] += u.z * g.z;
@@ -122,7 +115,7 @@ mod tests {
         #[test]
         fn strain_of_an_affine_field_is_its_symmetric_gradient(p in tets(), a in proptest::array::uniform9(-1.0..1.0_f64)) {
             let m = DMat3::from_cols_array(&a);
-            let e = strain(gradients(p).1, p.map(|x| m * x + DVec3::ONE));
+            let e = strain(gradients(p).1.into_iter().zip(p.map(|x| m * x + DVec3::ONE)));
             let s = (m + m.transpose()) * 0.5;
             let expected = [s.x_axis.x, s.y_axis.y, s.z_axis.z, s.x_axis.y, s.y_axis.z, s.x_axis.z];
             for i in 0..6 {

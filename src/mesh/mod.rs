@@ -7,6 +7,7 @@ mod face_rows;
 pub mod features;
 pub mod generate;
 pub mod locate;
+pub mod midside;
 pub mod quality;
 pub mod read;
 pub mod surface;

@@ -164,30 +164,39 @@ fn same_cells(tets: &[[u32; 4]], uses: &[FaceUse]) -> Option<[usize; 2]> {
     opposite.windows(2).find(|two| two[0].0 == two[1].0).map(|two| [two[0].1, two[1].1])
 }
 
-/// Lists of cells by vertex, in one array (compressed rows).
+/// Lists of cells by node, in one array (compressed rows).
 #[derive(Debug, Clone)]
-pub struct VertexCells {
+pub struct NodeCells {
     starts: Vec<u32>,
     cells: Vec<u32>,
 }
 
-impl VertexCells {
-    /// Collects the cells at each of `vertex_count` vertices, in ascending order.
+/// Lists of cells by vertex.
+pub type VertexCells = NodeCells;
+
+impl NodeCells {
+    /// Collects the cells at each of `count` nodes, in ascending order; `nodes` gives those of a cell.
     #[must_use]
-    pub fn new(vertex_count: usize, tets: &[[u32; 4]]) -> Self {
-        let starts = row_starts(vertex_count, tets.iter().flatten().copied());
+    pub fn of<I: Iterator<Item = u32>>(count: usize, cells: usize, nodes: impl Fn(usize) -> I) -> Self {
+        let starts = row_starts(count, (0..cells).flat_map(&nodes));
         let mut next = starts.clone();
-        let mut cells = vec![0_u32; 4 * tets.len()];
-        for (t, tet) in tets.iter().enumerate() {
-            for &v in tet {
-                cells[next[v as usize] as usize] = t as u32;
+        let mut list = vec![0_u32; starts[count] as usize];
+        for t in 0..cells {
+            for v in nodes(t) {
+                list[next[v as usize] as usize] = t as u32;
                 next[v as usize] += 1;
             }
         }
-        Self { starts, cells }
+        Self { starts, cells: list }
     }
 
-    /// Cells at vertex `v`, ascending.
+    /// Collects the cells at each of `vertex_count` vertices, in ascending order.
+    #[must_use]
+    pub fn new(vertex_count: usize, tets: &[[u32; 4]]) -> Self {
+        Self::of(vertex_count, tets.len(), |t| tets[t].into_iter())
+    }
+
+    /// Cells at node `v`, ascending.
     #[must_use]
     pub fn at(&self, v: u32) -> &[u32] {
         &self.cells[self.starts[v as usize] as usize..self.starts[v as usize + 1] as usize]

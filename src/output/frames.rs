@@ -5,6 +5,7 @@ use super::atomic::ensure_writable_dir;
 use super::options::Compression;
 use super::pvd::write_pvd;
 use super::vtk::{Fields, Values, write_vtu};
+use crate::fem::Space;
 use crate::mesh::TetMesh;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
@@ -55,7 +56,7 @@ impl FrameWriter {
         };
         let words: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
         let file = format!("frame_{:03}_{words}.vtu", self.files.len());
-        write_vtu(&self.folder.join(&file), mesh, &fields, Compression::default())?;
+        write_vtu(&self.folder.join(&file), &Space::linear(mesh), &fields, Compression::default())?;
         self.files.push((fields.time, file));
         self.cells = keys;
         self.cells.sort_unstable();

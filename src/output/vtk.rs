@@ -3,6 +3,8 @@
 use super::OutputError;
 use super::atomic::write_atomic;
 use super::options::Compression;
+use crate::fem::Space;
+use crate::fem::options::Element;
 use crate::mesh::{TetMesh, quality};
 use glam::DVec3;
 use std::io::{self, Write};
@@ -31,13 +33,13 @@ pub enum Values<'a> {
 pub struct Fields<'a> {
     /// What viewers show as the time of the file; the step number in a refinement run.
     pub time: f64,
-    /// A value at each vertex.
+    /// A value at each node.
     pub points: Vec<(&'a str, Values<'a>)>,
     /// A value in each cell.
     pub cells: Vec<(&'a str, Values<'a>)>,
 }
 
-/// Writes the mesh and its fields as a `.vtu` file. The cell data `region` (index into the region names),
+/// Writes the elements and fields as a `.vtu` file, ten-node cells as VTK's quadratic tetrahedra. The cell data `region` (index into the region names),
 /// `refinement_level` and `quality` (minimum dihedral angle in degrees) are made from the mesh. The same mesh and fields
 /// give the same bytes.
 ///
@@ -45,19 +47,19 @@ pub struct Fields<'a> {
 /// [`OutputError`] if a field does not fit the mesh or holds a value that is not finite, or if the file cannot be written.
 pub fn write_vtu(
     path: &Path,
-    mesh: &TetMesh,
+    space: &Space<'_>,
     fields: &Fields<'_>,
     compression: Compression,
 ) -> Result<(), OutputError> {
-    check(path, &fields.points, mesh.points().len())?;
-    check(path, &fields.cells, mesh.tets().len())?;
+    check(path, &fields.points, space.points().len())?;
+    check(path, &fields.cells, space.mesh().tets().len())?;
     let compressor = match compression {
         Compression::None => Compressor::None,
         Compression::Lz4 => Compressor::LZ4,
         Compression::Zlib => Compressor::ZLib,
     };
     write_atomic(path, |w| {
-        let file = grid(mesh, fields).try_into_xml_format(compressor, COMPRESSION_LEVEL).map_err(io::Error::other)?;
+        let file = grid(space, fields).try_into_xml_format(compressor, COMPRESSION_LEVEL).map_err(io::Error::other)?;
         let mut text = Vec::new();
         file.write(&mut text).map_err(io::Error::other)?;
         annotate(w, &text, fields.time)
@@ -112,10 +114,23 @@ fn check(path: &Path, fields: &[(&str, Values<'_>)], want: usize) -> Result<(), 
     Ok(())
 }
 
-fn grid(mesh: &TetMesh, fields: &Fields<'_>) -> Vtk {
+/// The places in VTK's ten-node cells: its edges are 01, 12, 02, 03, 13, 23.
+const TEN_NODES: [usize; 10] = [0, 1, 2, 3, 4, 7, 5, 6, 8, 9];
+
+fn grid(space: &Space<'_>, fields: &Fields<'_>) -> Vtk {
+    let mesh = space.mesh();
     let cells = mesh.tets().len();
-    let connectivity = mesh.tets().iter().flatten().map(|&v| u64::from(v)).collect();
-    let offsets = (1..=cells as u64).map(|c| 4 * c).collect();
+    let (nodes, kind) = match space.element() {
+        Element::Tet4 => (4, CellType::Tetra),
+        Element::Tet10 => (10, CellType::QuadraticTetra),
+    };
+    let mut connectivity = Vec::with_capacity(nodes * cells);
+    for t in 0..cells {
+        let mut own = [0; 10];
+        own.iter_mut().zip(space.cell(t)).for_each(|(place, node)| *place = u64::from(node));
+        connectivity.extend(TEN_NODES[..nodes].iter().map(|&i| own[i]));
+    }
+    let offsets = (1..=cells as u64).map(|c| nodes as u64 * c).collect();
     let attributes = |fields: &[(&str, Values<'_>)]| fields.iter().map(|(name, v)| v.attribute(name)).collect();
     let mut data = Attributes { point: attributes(&fields.points), cell: attributes(&fields.cells) };
     data.cell.extend(mesh_fields(mesh));
@@ -126,11 +141,8 @@ fn grid(mesh: &TetMesh, fields: &Fields<'_>) -> Vtk {
         title: String::new(),
         file_path: None,
         data: DataSet::inline(UnstructuredGridPiece {
-            points: IOBuffer::F64(coordinates(mesh.points())),
-            cells: Cells {
-                cell_verts: VertexNumbers::XML { connectivity, offsets },
-                types: vec![CellType::Tetra; cells],
-            },
+            points: IOBuffer::F64(coordinates(space.points())),
+            cells: Cells { cell_verts: VertexNumbers::XML { connectivity, offsets }, types: vec![kind; cells] },
             data,
         }),
     }

@@ -5,13 +5,14 @@ use super::resolve::Resolved;
 use super::simulate::{Plan, timed};
 use crate::adapt::{self, CellErrors};
 use crate::error::Error;
-use crate::fem::{self, Solution};
+use crate::fem::{self, Solution, Space};
 use crate::mesh::{TetMesh, quality};
 use crate::output::report::{ErrorRecord, MeshCounts, PhaseSeconds, SolverRecord, StepRecord};
 use glam::DVec3;
 
 /// The solution on a mesh and its estimated error.
-pub(super) struct Analysed {
+pub(super) struct Analysed<'m> {
+    pub space: Space<'m>,
     pub solution: Solution,
     pub errors: CellErrors,
     dofs: usize,
@@ -22,34 +23,37 @@ pub(super) struct Analysed {
 ///
 /// # Errors
 /// [`Error::Fem`]: the model is ill-posed, or the solver failed.
-pub(super) fn analyse(
+pub(super) fn analyse<'m>(
     index: usize,
-    mesh: &TetMesh,
+    mesh: &'m TetMesh,
     problem: &Resolved,
     plan: &Plan<'_>,
     seconds: &mut PhaseSeconds,
-) -> Result<Analysed, Error> {
+) -> Result<Analysed<'m>, Error> {
     let phase = plan.progress.phase(format!("step {index}: assemble {} cells", mesh.tets().len()));
-    let system = timed(&mut seconds.assemble, || {
-        let mut system = fem::assemble(mesh, &problem.model)?;
+    let (space, system) = timed(&mut seconds.assemble, || {
+        // Refinement makes edges straight.
+        let midsides = if index == 0 { &problem.midsides[..] } else { &[] };
+        let space = Space::new(mesh, plan.scenario.element, midsides);
+        let mut system = fem::assemble(&space, &problem.model)?;
         if let Some(exact) = &problem.exact {
-            exact.add_loads(mesh, &mut system);
+            exact.add_loads(&space, &mut system);
         }
-        Ok::<_, fem::FemError>(system)
+        Ok::<_, fem::FemError>((space, system))
     })?;
     phase.say(format!("step {index}: solve {} equations", system.free_dofs()));
     let solved = timed(&mut seconds.solve, || fem::solve(&system, &plan.scenario.solver, None))?;
     phase.say(format!("step {index}: estimate the error"));
     let estimator = plan.scenario.adapt.estimator;
     let (solution, errors) = timed(&mut seconds.estimate, || {
-        let solution = fem::recover(mesh, &problem.model, &system, &solved);
-        let errors = adapt::estimate(mesh, &problem.model.materials, &solution.stress, estimator);
+        let solution = fem::recover(&space, &problem.model, &system, &solved);
+        let errors = adapt::estimate(&space, &problem.model.materials, &solution.stress, estimator);
         (solution, errors)
     });
-    Ok(Analysed { solution, errors, dofs: system.dofs(), free_dofs: system.free_dofs() })
+    Ok(Analysed { space, solution, errors, dofs: system.dofs(), free_dofs: system.free_dofs() })
 }
 
-impl Analysed {
+impl Analysed<'_> {
     /// Estimated error of the displacement in the energy norm, relative to the norm of the displacement.
     pub(super) fn relative_error(&self) -> f64 {
         self.errors.relative(self.solution.strain_energy)
@@ -63,7 +67,8 @@ impl Analysed {
     }
 
     /// What is recorded of it; `unit` is the largest error of a cell at step 0.
-    pub(super) fn record(&self, mesh: &TetMesh, problem: &Resolved, unit: f64) -> StepRecord {
+    pub(super) fn record(&self, problem: &Resolved, unit: f64) -> StepRecord {
+        let mesh = self.space.mesh();
         let info = &self.solution.info;
         let supports = problem.model.supports.iter().zip(&self.solution.reactions);
         StepRecord {
@@ -74,7 +79,7 @@ impl Analysed {
             selected: 0,
             strain_energy: self.solution.strain_energy,
             max_displacement: self.solution.displacement.iter().copied().map(DVec3::length).fold(0.0, f64::max),
-            error: self.error_record(mesh, problem, unit),
+            error: self.error_record(problem, unit),
             quality: quality::quality(mesh).into(),
             solver: SolverRecord {
                 method: info.method.to_owned(),
@@ -84,12 +89,12 @@ impl Analysed {
             },
             seconds: PhaseSeconds::default(),
             reactions: supports.map(|(s, r)| (s.name.clone(), r.to_array())).collect(),
-            quantities: quantities::values(mesh, problem, self),
+            quantities: quantities::values(problem, self),
         }
     }
 
-    fn error_record(&self, mesh: &TetMesh, problem: &Resolved, unit: f64) -> ErrorRecord {
-        let exact = problem.exact.map(|e| e.error(mesh, &problem.model, &self.solution));
+    fn error_record(&self, problem: &Resolved, unit: f64) -> ErrorRecord {
+        let exact = problem.exact.map(|e| e.error(&self.space, &problem.model, &self.solution));
         let squared = &self.errors.squared;
         // Where nothing has an error, the normalised error is zero too.
         let mean = |sum: f64, unit: f64| if unit == 0.0 { 0.0 } else { sum / squared.len() as f64 / unit };

@@ -1,8 +1,8 @@
 //! From a scenario's `[mesh]` to a mesh.
 
-use crate::mesh::read::{MeshFile, read};
+use crate::mesh::read::{Edges, MeshFile, read_with};
 use crate::mesh::{MeshError, TetMesh, generate};
-use crate::scenario::{MeshSource, Scenario, Shape};
+use crate::scenario::{MeshSource, Midside, Scenario, Shape};
 use std::io::{Error as IoError, ErrorKind};
 use std::path::{Path, PathBuf};
 
@@ -15,13 +15,20 @@ pub const DATA_VARIABLE: &str = "SUBSOLID_DATA";
 /// [`MeshError`]: the file is in none of the places looked at, or it is not a mesh.
 pub fn load(scenario: &Scenario) -> Result<MeshFile, MeshError> {
     match &scenario.mesh {
-        MeshSource::File(file) => read(&find(file, &scenario.directory)?),
-        MeshSource::Box { size, cells } => {
-            let mesh = generate::box_tets(*size, *cells)?;
-            Ok(MeshFile { mesh, format: "generated box", notes: Vec::new() })
+        MeshSource::File(file) => {
+            let edges = match scenario.midside {
+                Midside::Straight => Edges::Straight,
+                Midside::Curved => Edges::Curved,
+            };
+            read_with(&find(file, &scenario.directory)?, edges)
         }
-        MeshSource::Shape(shape) => Ok(MeshFile { mesh: generated(*shape)?, format: "generated", notes: Vec::new() }),
+        MeshSource::Box { size, cells } => Ok(made(generate::box_tets(*size, *cells)?, "generated box")),
+        MeshSource::Shape(shape) => Ok(made(generated(*shape)?, "generated")),
     }
+}
+
+fn made(mesh: TetMesh, format: &'static str) -> MeshFile {
+    MeshFile { mesh, format, midsides: Vec::new(), notes: Vec::new() }
 }
 
 fn generated(shape: Shape) -> Result<TetMesh, MeshError> {

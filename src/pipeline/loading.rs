@@ -1,6 +1,6 @@
 //! Loads that do less than they seem to.
 
-use crate::fem::{self, FemError, Load, Model, Prescribed};
+use crate::fem::{self, FemError, Load, Model, Prescribed, Space};
 use crate::mesh::TetMesh;
 use glam::DVec3;
 
@@ -12,11 +12,12 @@ const ROUNDING: f64 = 1e-12;
 /// # Errors
 /// [`FemError`]: an expression of a support or load has no finite value where it acts, or supports contradict each other.
 pub(super) fn warnings(mesh: &TetMesh, model: &Model) -> Result<Vec<String>, FemError> {
-    let prescribed = fem::prescribed(mesh, model)?;
+    let space = Space::linear(mesh);
+    let prescribed = fem::prescribed(&space, model)?;
     let mut warnings = Vec::new();
     let (mut total, mut size) = (DVec3::ZERO, 0.0);
     for load in &model.loads {
-        let forces = fem::load_forces(mesh, model, load)?;
+        let forces = fem::load_forces(&space, model, load)?;
         let magnitude: f64 = forces.iter().map(|f| f.length()).sum();
         total += forces.iter().sum::<DVec3>();
         size += magnitude;
@@ -41,7 +42,7 @@ pub(super) fn warnings(mesh: &TetMesh, model: &Model) -> Result<Vec<String>, Fem
 /// # Errors
 /// As [`fem::load_forces`].
 pub(super) fn total(mesh: &TetMesh, model: &Model, load: &Load) -> Result<DVec3, FemError> {
-    Ok(fem::load_forces(mesh, model, load)?.iter().sum())
+    Ok(fem::load_forces(&Space::linear(mesh), model, load)?.iter().sum())
 }
 
 /// Whether forces act only where the displacement is prescribed.

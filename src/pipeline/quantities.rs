@@ -131,20 +131,21 @@ fn line(probe: &Probe) -> Vec<DVec3> {
 }
 
 /// The quantities of a solution.
-pub(super) fn values(mesh: &TetMesh, problem: &Resolved, analysed: &Analysed) -> Vec<(String, QuantityRecord)> {
+pub(super) fn values(problem: &Resolved, analysed: &Analysed<'_>) -> Vec<(String, QuantityRecord)> {
     if problem.quantities.is_empty() {
         return Vec::new();
     }
-    let state = state(mesh, problem, analysed);
+    let state = state(problem, analysed);
     // Few quantities are at points.
-    let locator = LazyCell::new(|| Locator::new(mesh));
+    let locator = LazyCell::new(|| Locator::new(analysed.space.mesh()));
     let value = |q: &fem::Quantity| state.value(q.kind, &|p| locator.nearest(p));
     let record = |q: &fem::Quantity| (q.name.clone(), QuantityRecord { value: value(q), error: None });
     problem.quantities.iter().map(record).collect()
 }
 
-fn state<'a>(mesh: &'a TetMesh, problem: &'a Resolved, analysed: &'a Analysed) -> State<'a> {
-    State { mesh, model: &problem.model, solution: &analysed.solution, nodal_stress: &analysed.errors.nodal_stress }
+fn state<'a>(problem: &'a Resolved, analysed: &'a Analysed<'a>) -> State<'a> {
+    let (solution, nodal_stress) = (&analysed.solution, &analysed.errors.nodal_stress);
+    State { space: &analysed.space, model: &problem.model, solution, nodal_stress }
 }
 
 /// The name of a probe's file.
@@ -156,14 +157,14 @@ pub(super) fn probe_file(name: &str) -> String {
 pub(super) fn write_probes(
     folder: &Path,
     probes: &[Probe],
-    mesh: &TetMesh,
     problem: &Resolved,
-    analysed: &Analysed,
+    analysed: &Analysed<'_>,
 ) -> Result<(), Error> {
     if probes.is_empty() {
         return Ok(());
     }
-    let (state, locator) = (state(mesh, problem, analysed), Locator::new(mesh));
+    let mesh = analysed.space.mesh();
+    let (state, locator) = (state(problem, analysed), Locator::new(mesh));
     let outside = OUTSIDE * mesh.diagonal();
     for probe in probes {
         let row = |p: DVec3| {

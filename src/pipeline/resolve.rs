@@ -3,6 +3,7 @@
 use super::{ModelError, hints, loading, quantities, select};
 use crate::fem::{self, Model};
 use crate::field::Field;
+use crate::mesh::midside::Midside;
 use crate::mesh::{GroupId, TetMesh, features, features::face_normal, topology};
 use crate::output::report::Selection;
 use crate::scenario::{Load, LoadKind, Material, Scenario, Selector, Support, suggest};
@@ -16,6 +17,8 @@ const AXIS_TOLERANCE: f64 = 5e-11;
 pub struct Resolved {
     /// The mesh with a group for each support and load, and with its creases and corners.
     pub mesh: TetMesh,
+    /// Nodes of its curved edges, sorted by edge.
+    pub midsides: Vec<Midside>,
     /// Materials, supports and loads on its regions and groups.
     pub model: Model,
     /// The quantities asked for, on its regions and groups.
@@ -28,7 +31,7 @@ pub struct Resolved {
     pub warnings: Vec<String>,
 }
 
-/// Resolves a scenario on its mesh.
+/// Resolves a scenario on its mesh, with straight edges.
 ///
 /// # Errors
 /// [`ModelError`]: regions without material, no supports, selectors that match nothing, supports that contradict each
@@ -53,7 +56,8 @@ pub fn resolve(scenario: &Scenario, mesh: TetMesh) -> Result<Resolved, ModelErro
     let model = Model { materials: chosen.iter().map(|m| properties(m)).collect(), supports, loads };
     // A known solution brings loads that the model does not list.
     let warnings = if exact.is_none() { loading::warnings(&mesh, &model)? } else { Vec::new() };
-    Ok(Resolved { mesh: with_features(scenario, mesh)?, model, quantities, exact, selections, warnings })
+    let mesh = with_features(scenario, mesh)?;
+    Ok(Resolved { mesh, midsides: Vec::new(), model, quantities, exact, selections, warnings })
 }
 
 pub(super) fn properties(m: &Material) -> fem::Material {

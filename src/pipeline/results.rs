@@ -69,7 +69,7 @@ impl<'a> Results<'a> {
             self.vtk(step, &indicator)?;
         }
         // Those of the last step stay.
-        write_probes(&self.folder, &self.scenario.probes, step.mesh, self.problem, step.analysed)?;
+        write_probes(&self.folder, &self.scenario.probes, self.problem, step.analysed)?;
         self.angles.push((label.clone(), angles));
         self.errors.push((label, indicator));
         Ok(())
@@ -77,7 +77,8 @@ impl<'a> Results<'a> {
 
     fn vtk(&mut self, step: &Step<'_>, indicator: &[f64]) -> Result<(), Error> {
         let solution = &step.analysed.solution;
-        let von_mises: Vec<f64> = solution.stress.iter().map(|&s| fem::von_mises(s)).collect();
+        let stress = solution.stress.means();
+        let von_mises: Vec<f64> = stress.iter().map(|&s| fem::von_mises(s)).collect();
         let fields = Fields {
             time: step.index as f64,
             points: vec![
@@ -86,13 +87,13 @@ impl<'a> Results<'a> {
             ],
             cells: vec![
                 ("von_mises", Values::Scalars(&von_mises)),
-                ("stress", Values::Tensors(&solution.stress)),
+                ("stress", Values::Tensors(&stress)),
                 ("error_indicator", Values::Scalars(indicator)),
                 ("marked", Values::Flags(step.selected)),
             ],
         };
         let name = format!("step_{:03}.vtu", step.index);
-        write_vtu(&self.path(&name), step.mesh, &fields, self.scenario.output.compression)?;
+        write_vtu(&self.path(&name), &step.analysed.space, &fields, self.scenario.output.compression)?;
         self.files.push((fields.time, name));
         Ok(pvd::write_pvd(&self.path("results.pvd"), &self.files)?)
     }

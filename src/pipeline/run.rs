@@ -12,7 +12,7 @@ use crate::output::plot::{Axis, error_curves};
 use crate::output::progress::Progress;
 use crate::output::report::{Report, StopReason, write_json};
 use crate::output::table;
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, Strategy};
 use std::path::Path;
 
 /// Runs a scenario and writes its results.
@@ -51,10 +51,17 @@ pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<Report, Error> {
     }
 }
 
+/// The warning of a run that refines a mesh with curved edges.
+const STRAIGHTENED: &str = "refined meshes have straight edges: from step 1 on the body is not that of step 0, and their \
+                            energies do not compare";
+
 /// Reads the mesh, resolves the scenario on it and checks that the supports hold it, before anything is written.
 pub(super) fn prepare(scenario: &Scenario, options: &RunOptions) -> Result<Resolved, Error> {
     let file = load(scenario)?;
-    let problem = resolve(scenario, file.mesh)?;
+    let mut problem = Resolved { midsides: file.midsides, ..resolve(scenario, file.mesh)? };
+    if !problem.midsides.is_empty() && scenario.refine.strategy != Strategy::None {
+        problem.warnings.push(STRAIGHTENED.to_owned());
+    }
     fem::check_constraints(&problem.mesh, &problem.model)?;
     if !options.quiet {
         let remarks = file.notes.iter().map(|n| format!("note: {n}\n"));

@@ -26,7 +26,7 @@ pub(super) struct Plan<'a> {
 pub(super) struct Step<'a> {
     pub index: usize,
     pub mesh: &'a TetMesh,
-    pub analysed: &'a Analysed,
+    pub analysed: &'a Analysed<'a>,
     /// The cells selected on this mesh for the next step.
     pub selected: &'a [bool],
 }
@@ -118,7 +118,7 @@ fn reason_to_stop(
     plan: &Plan<'_>,
     index: usize,
     mesh: &TetMesh,
-    analysed: &Analysed,
+    analysed: &Analysed<'_>,
     start: Instant,
 ) -> Option<StopReason> {
     let stop = &plan.scenario.refine.stop;
@@ -141,7 +141,7 @@ fn reason_to_stop(
 fn reason_not_to_refine(
     plan: &Plan<'_>,
     selected: &[bool],
-    analysed: &Analysed,
+    analysed: &Analysed<'_>,
     warnings: &mut Vec<String>,
 ) -> Option<StopReason> {
     let count = selected.iter().filter(|s| **s).count();
@@ -164,7 +164,7 @@ fn memory_forecast(peak: usize, cells: usize, selected: usize, method: &str) -> 
 /// The cells to refine; none if the run stops here.
 fn select(
     mesh: &TetMesh,
-    analysed: &Analysed,
+    analysed: &Analysed<'_>,
     plan: &Plan<'_>,
     reached: Option<StopReason>,
 ) -> Result<Vec<bool>, Error> {
@@ -184,7 +184,7 @@ fn select(
 fn record(step: &Step<'_>, problem: &Resolved, mut seconds: PhaseSeconds, unit: f64) -> StepRecord {
     seconds.total = seconds.computing() + seconds.write;
     let selected = step.selected.iter().filter(|s| **s).count();
-    StepRecord { step: step.index, selected, seconds, ..step.analysed.record(step.mesh, problem, unit) }
+    StepRecord { step: step.index, selected, seconds, ..step.analysed.record(problem, unit) }
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use super::choice::{Cells, with_features};
 use super::{load, print};
 use crate::error::Error;
+use crate::fem::Space;
 use crate::mesh::read;
 use crate::output::frames::FrameWriter;
 use crate::output::options::Compression;
@@ -81,7 +82,7 @@ pub fn subdivide(command: &Subdivision) -> Result<MeshReport, Error> {
     }
     let volumes = (volume, mesh.volume());
     let report = MeshReport::of(&mesh, seconds);
-    write_vtu(&command.output, &mesh, &Fields::default(), Compression::default())?;
+    write_vtu(&command.output, &Space::linear(&mesh), &Fields::default(), Compression::default())?;
     if let Some(path) = &command.json {
         write_json(path, &report)?;
     }

@@ -24,6 +24,8 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
     let supports = actions::supports(raw.supports.unwrap_or_default(), &place)?;
     let names: Vec<&str> = supports.iter().map(|s| s.name.as_str()).collect();
     let quantities = wanted::quantities(raw.quantities.unwrap_or_default(), &names, &place)?;
+    let element = raw.analysis.and_then(|t| t.value.element).unwrap_or_default();
+    let midside = midside(raw.mesh.as_ref(), element)?;
     Ok(Scenario {
         path: PathBuf::new(),
         directory: PathBuf::new(),
@@ -40,6 +42,8 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
         expectations: wanted::expectations(raw.expect.unwrap_or_default(), &quantities)?,
         quantities,
         refine: refine(raw.refine.map(|t| t.value), &mut warnings)?,
+        midside,
+        element,
         adapt: adapt(raw.adapt.map(|t| t.value).unwrap_or_default())?,
         solver: solver(raw.solver.map(|t| t.value).unwrap_or_default())?,
         output: output(&raw.output.map(|t| t.value).unwrap_or_default()),
@@ -47,6 +51,16 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
         units: raw.units.map(|t| t.value).unwrap_or_default(),
         warnings,
     })
+}
+
+/// What becomes of mid-side nodes; curved edges need elements with nodes on them.
+fn midside(mesh: Option<&Table<RawMesh>>, element: Element) -> Checked<Midside> {
+    let Some(midside) = mesh.and_then(|m| m.value.midside.as_ref()) else { return Ok(Midside::default()) };
+    if *midside.get_ref() == Midside::Curved && element == Element::Tet4 {
+        let fault = Fault::new(midside.span(), "curves the edges of ten-node elements only", "without these");
+        return Err(fault.help("add\n[analysis]\nelement = \"tet10\""));
+    }
+    Ok(*midside.get_ref())
 }
 
 fn mesh(raw: Option<Table<RawMesh>>) -> Checked<MeshSource> {

@@ -23,7 +23,7 @@ pub use shapes::Shape;
 pub use wanted::{Cells, Exact, Expectation, Extent, Probe, Quantity, QuantityKind, Tolerance};
 
 use crate::adapt::options::{Estimator, Marking};
-use crate::fem::options::SolverOptions;
+use crate::fem::options::{Element, SolverOptions};
 use crate::output::options::{Compression, Published, Units};
 use crate::subdiv::options::Options;
 use serde::Deserialize as _;
@@ -62,6 +62,10 @@ pub struct Scenario {
     pub expectations: Vec<Expectation>,
     /// `[refine]`.
     pub refine: Refine,
+    /// `mesh.midside`.
+    pub midside: Midside,
+    /// `analysis.element`.
+    pub element: Element,
     /// `[adapt]`.
     pub adapt: Adapt,
     /// `[solver]`.
@@ -74,6 +78,17 @@ pub struct Scenario {
     pub units: Units,
     /// What is allowed but deserves a word.
     pub warnings: Vec<String>,
+}
+
+/// What becomes of the mid-side nodes of a second-order mesh.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Midside {
+    /// They are dropped: edges are straight.
+    #[default]
+    Straight,
+    /// They are kept: edges are curved until the mesh is refined.
+    Curved,
 }
 
 /// Where the mesh comes from.

@@ -3,9 +3,9 @@
 use super::actions::{Fixed, RawStiffness};
 use super::spanned::Spanned;
 use super::wanted::{RawExpectation, RawProbe};
-use super::{fields, shapes};
+use super::{Midside, fields, shapes};
 use crate::adapt::options::Estimator;
-use crate::fem::options::{ExactSolution, Field, Method, Total};
+use crate::fem::options::{Element, ExactSolution, Field, Method, Total};
 use crate::output::options::{Compression, Units};
 use crate::subdiv::options::{Boundary, Mode, Objective, QualityMeasure, Scheme};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -66,8 +66,7 @@ pub(super) struct RawScenario {
     pub materials: Option<Named<RawMaterial>>,
     pub supports: Option<Named<RawSupport>>,
     pub loads: Option<Named<RawLoad>>,
-    #[serde(rename = "analysis")]
-    pub _analysis: Option<Table<RawAnalysis>>,
+    pub analysis: Option<Table<RawAnalysis>>,
     pub refine: Option<Table<RawRefine>>,
     pub adapt: Option<Table<RawAdapt>>,
     pub solver: Option<Table<RawSolver>>,
@@ -97,13 +96,6 @@ pub(super) struct RawMesh {
     #[serde(rename = "plate-with-hole")]
     pub plate_with_hole: Option<Table<shapes::RawPlate>>,
     pub le10: Option<Table<shapes::RawLe10>>,
-}
-
-/// How the mid-side nodes of a quadratic mesh are used.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum Midside {
-    Straight,
 }
 
 #[derive(Debug, Deserialize, JsonSchema)]
@@ -264,15 +256,7 @@ pub(super) struct RawNormal {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawAnalysis {
-    #[serde(rename = "element")]
-    pub _element: Option<Element>,
-}
-
-/// The finite element.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum Element {
-    Tet4,
+    pub element: Option<Element>,
 }
 
 #[derive(Debug, Default, Deserialize, JsonSchema)]

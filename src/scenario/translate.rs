@@ -7,15 +7,13 @@ use std::ops::Range;
 const RESERVED_KEYS: [&str; 6] = ["interfaces", "target_angle", "valence_limit", "quantity_error", "goal", "engine"];
 
 /// Values that the format reserves likewise, each with what to use today.
-const RESERVED_VALUES: [(&str, &str); 9] = [
-    ("curved", "straight"),
+const RESERVED_VALUES: [(&str, &str); 7] = [
     ("hex", "tet"),
-    ("tet10", "tet4"),
-    ("hex8", "tet4"),
-    ("hex20", "tet4"),
-    ("hex27", "tet4"),
-    ("catmull-clark", "tet4"),
-    ("catmull-clark+", "tet4"),
+    ("hex8", "tet10"),
+    ("hex20", "tet10"),
+    ("hex27", "tet10"),
+    ("catmull-clark", "tet10"),
+    ("catmull-clark+", "tet10"),
     ("fixed-trisection", "fixed"),
 ];
 

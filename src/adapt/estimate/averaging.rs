@@ -7,7 +7,7 @@ use crate::fem::SymTensor;
 pub(super) fn recover(field: &Field, cells: &[u32]) -> SymTensor {
     let mut sum = [0.0; 6];
     for &t in cells {
-        add_scaled(&mut sum, field.volumes[t as usize], &field.stress[t as usize]);
+        add_scaled(&mut sum, field.volumes[t as usize], &field.stress.mean(t as usize));
     }
     let volume = field.volume_of(cells);
     sum.map(|x| x / volume)

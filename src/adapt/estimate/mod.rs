@@ -1,20 +1,21 @@
-//! Error estimation by recovery: a continuous stress s* is made of the constant stresses s_h of the cells, and their
-//! difference stands for the error.
+//! Error estimation by recovery: a continuous stress s* is made of the stresses s_h of the cells, and their difference
+//! stands for the error, eta_K^2 = int_K (s* - s_h) : C^-1 : (s* - s_h).
 //!
-//! eta_K^2 = int_K (s* - s_h) : C^-1 : (s* - s_h). With s* linear on K and d_i the difference at vertex i this is
-//! V/20 (sum_i d_i : C^-1 : d_i + (sum_i d_i) : C^-1 : (sum_i d_i)), exactly.
+//! Of four-node cells s_h is constant and s* linear; with d_i the difference at vertex i the integral is
+//! V/20 (sum_i d_i : C^-1 : d_i + (sum_i d_i) : C^-1 : (sum_i d_i)), exactly. Of ten-node cells they are linear and
+//! quadratic (`quadratic.rs`).
 //!
 //! Where regions meet, stress is recovered for each region alone: across materials it may jump.
 
 mod averaging;
 mod patches;
+mod quadratic;
 mod spr;
 #[cfg(test)]
 mod tests;
 
 use super::options::Estimator;
-use crate::fem::{Material, SymTensor};
-use crate::mesh::TetMesh;
+use crate::fem::{Material, Space, Stress, SymTensor};
 use patches::Patches;
 use rayon::prelude::*;
 
@@ -23,8 +24,8 @@ use rayon::prelude::*;
 pub struct CellErrors {
     /// eta_K^2 for each cell: approximates a(e, e) on the cell (twice the energy of the error).
     pub squared: Vec<f64>,
-    /// Recovered stress at each vertex; where regions meet, the mean of theirs weighted by their volumes around it. For
-    /// output. Zero at a vertex without cells.
+    /// Recovered stress at each node; where regions meet, the mean of theirs weighted by their volumes around it. For
+    /// output. Zero at a node without cells.
     pub nodal_stress: Vec<SymTensor>,
     /// Cells, ascending, that share no vertex with another cell of their region: there is no stress to compare theirs
     /// with, so their error is not known. Their entry of `squared` is zero.
@@ -52,43 +53,60 @@ impl CellErrors {
     }
 }
 
-/// Estimates the error of each cell from the stresses of the cells (`stress[t]`, constant on cell `t`).
+/// Estimates the error of each cell from the stress of its elements.
 ///
-/// `materials` has one entry a region, `stress` one a cell.
+/// `materials` has one entry a region.
 #[must_use]
-pub fn estimate(mesh: &TetMesh, materials: &[Material], stress: &[SymTensor], estimator: Estimator) -> CellErrors {
+pub fn estimate(space: &Space<'_>, materials: &[Material], stress: &Stress, estimator: Estimator) -> CellErrors {
+    let mesh = space.mesh();
     let patches = Patches::new(mesh);
     let volumes: Vec<f64> = (0..mesh.tets().len()).map(|t| mesh.cell_volume(t)).collect();
-    let field = Field { mesh, stress, volumes: &volumes };
+    let field = Field { space, stress, volumes: &volumes };
+    let material = |t: usize| &materials[mesh.regions()[t].0 as usize];
+    let (squared, nodal_stress) = if stress.is_linear() {
+        quadratic::estimate(&field, &patches, material, estimator)
+    } else {
+        linear(&field, &patches, material, estimator)
+    };
+    let unestimated = (0..stress.cells()).filter(|&t| patches.is_isolated(t)).map(|t| t as u32).collect();
+    CellErrors { squared, nodal_stress, unestimated }
+}
+
+/// Squared errors of the cells and stress at the nodes, for a stress that is constant in each cell.
+fn linear<'a>(
+    field: &Field<'_>,
+    patches: &Patches,
+    material: impl Fn(usize) -> &'a Material + Sync,
+    estimator: Estimator,
+) -> (Vec<f64>, Vec<SymTensor>) {
     let recovered: Vec<SymTensor> = (0..patches.len())
         .into_par_iter()
         .map(|p| {
             let cells = patches.to_recover_from(p);
             match estimator {
-                Estimator::Spr => spr::recover(&field, patches.vertex(p), &cells),
-                Estimator::Averaging => averaging::recover(&field, &cells),
+                Estimator::Spr => spr::recover(field, patches.vertex(p), &cells),
+                Estimator::Averaging => averaging::recover(field, &cells),
             }
         })
         .collect();
-    let squared = (0..stress.len())
+    let squared = (0..field.stress.cells())
         .into_par_iter()
         .map(|t| {
             if patches.is_isolated(t) {
                 return 0.0;
             }
-            let material = &materials[mesh.regions()[t].0 as usize];
-            let differences = patches.of_cell(t).map(|p| minus(&recovered[p as usize], &stress[t]));
-            squared_error(material, volumes[t], &differences)
+            let own = field.stress.mean(t);
+            let differences = patches.of_cell(t).map(|p| minus(&recovered[p as usize], &own));
+            squared_error(material(t), field.volumes[t], &differences)
         })
         .collect();
-    let unestimated = (0..stress.len()).filter(|&t| patches.is_isolated(t)).map(|t| t as u32).collect();
-    CellErrors { squared, nodal_stress: nodal_stress(&field, &patches, &recovered), unestimated }
+    (squared, at_vertices(field, patches, &recovered))
 }
 
-/// A stress that is constant on each cell.
+/// The stress of the elements.
 struct Field<'a> {
-    mesh: &'a TetMesh,
-    stress: &'a [SymTensor],
+    space: &'a Space<'a>,
+    stress: &'a Stress,
     volumes: &'a [f64],
 }
 
@@ -119,8 +137,8 @@ fn squared_error(material: &Material, volume: f64, differences: &[SymTensor; 4])
 }
 
 /// One stress a vertex: the mean over the regions there, weighted by volume.
-fn nodal_stress(field: &Field, patches: &Patches, recovered: &[SymTensor]) -> Vec<SymTensor> {
-    let count = field.mesh.points().len();
+fn at_vertices(field: &Field, patches: &Patches, recovered: &[SymTensor]) -> Vec<SymTensor> {
+    let count = field.space.mesh().points().len();
     let (mut sums, mut weights) = (vec![[0.0; 6]; count], vec![0.0; count]);
     for (p, stress) in recovered.iter().enumerate() {
         let (vertex, volume) = (patches.vertex(p) as usize, field.volume_of(patches.cells(p)));

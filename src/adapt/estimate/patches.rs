@@ -68,12 +68,16 @@ impl Patches {
     /// cell, whose own stress would say that it has no error, all cells of its region that share a vertex with it.
     pub(super) fn to_recover_from(&self, patch: usize) -> Cow<'_, [u32]> {
         let cells = self.cells(patch);
-        let [single] = *cells else { return Cow::Borrowed(cells) };
-        let mut around: Vec<u32> =
-            self.of_cell(single as usize).iter().flat_map(|&p| self.cells(p as usize)).copied().collect();
+        if let [_] = cells { Cow::Owned(self.around(cells)) } else { Cow::Borrowed(cells) }
+    }
+
+    /// All cells of the same region that share a vertex with one of these (of one region), ascending.
+    pub(super) fn around(&self, cells: &[u32]) -> Vec<u32> {
+        let patches = cells.iter().flat_map(|&t| self.of_cell(t as usize));
+        let mut around: Vec<u32> = patches.flat_map(|p| self.cells(p as usize)).copied().collect();
         around.sort_unstable();
         around.dedup();
-        Cow::Owned(around)
+        around
     }
 
     /// Whether cell `t` shares no vertex with another cell of its region.

@@ -25,14 +25,15 @@ pub(super) fn recover(field: &Field, vertex: u32, cells: &[u32]) -> SymTensor {
 
 /// The fitted polynomial's value at the vertex; `None` if the centroids do not determine it.
 fn fit(field: &Field, vertex: u32, cells: &[u32]) -> Option<SymTensor> {
-    let origin = field.mesh.points()[vertex as usize];
-    let centroid = |t: u32| field.mesh.cell_points(t as usize).into_iter().sum::<DVec3>() / 4.0 - origin;
+    let mesh = field.space.mesh();
+    let origin = mesh.points()[vertex as usize];
+    let centroid = |t: u32| mesh.cell_points(t as usize).into_iter().sum::<DVec3>() / 4.0 - origin;
     let size = cells.iter().map(|&t| centroid(t).length()).fold(0.0, f64::max);
     let (mut normal, mut right) = (Matrix4::zeros(), Matrix4x6::zeros());
     for &t in cells {
         let x = centroid(t) / size;
         let p = Vector4::new(1.0, x.x, x.y, x.z);
-        let stress = SMatrix::<f64, 1, 6>::from_row_slice(&field.stress[t as usize]);
+        let stress = SMatrix::<f64, 1, 6>::from_row_slice(&field.stress.mean(t as usize));
         normal += p * p.transpose();
         right += p * stress;
     }

@@ -1,10 +1,12 @@
 //! From the lists of a file to a checked mesh: ids resolved, orphans dropped, orientation.
 
-use super::MeshFile;
 use super::error_at;
 use super::groups::{add_vertex_sets, groups, patches, regions};
+use super::midsides;
 use super::nodes::{Index, NONE, number_vertices, positions};
 use super::raw::Raw;
+use super::{Edges, MeshFile};
+use crate::mesh::midside::Midside;
 use crate::mesh::topology::Connection;
 use crate::mesh::{MeshError, TetMesh, TetMeshParts, Victim, quality, topology};
 use glam::DVec3;
@@ -12,7 +14,7 @@ use rayon::prelude::*;
 use std::path::Path;
 
 /// Makes the mesh.
-pub(super) fn build(path: &Path, format: &'static str, mut raw: Raw) -> Result<MeshFile, MeshError> {
+pub(super) fn build(path: &Path, format: &'static str, mut raw: Raw, edges: Edges) -> Result<MeshFile, MeshError> {
     if raw.tets.nodes.is_empty() {
         return Err(MeshError::NoCells);
     }
@@ -22,7 +24,13 @@ pub(super) fn build(path: &Path, format: &'static str, mut raw: Raw) -> Result<M
     index.resolve("tetrahedron", &mut tets, &raw, &raw.tets.ids, &raw.tets.places)?;
     check_corners(path, &tets, &raw)?;
     let (vertices, vertex_of) = number_vertices(&mut tets, raw.nodes.positions.len());
-    notes.extend(dropped(&index, &mut raw, &vertex_of)?);
+    let mids = midside_nodes(&index, &mut raw)?;
+    let midsides = match edges {
+        Edges::Straight => Vec::new(),
+        Edges::Curved => midsides::at_edges(path, &mids, &raw, &tets, &vertices)?,
+    };
+    notes.extend(unused(&mids, edges, &midsides, &vertex_of));
+    drop(mids);
     let mut triangles = std::mem::take(&mut raw.triangles.nodes);
     index.resolve("triangle", &mut triangles, &raw, &raw.triangles.ids, &raw.triangles.places)?;
     triangles.iter_mut().flatten().for_each(|n| *n = vertex_of[*n as usize]);
@@ -51,9 +59,12 @@ pub(super) fn build(path: &Path, format: &'static str, mut raw: Raw) -> Result<M
     let lists =
         TetMeshParts { points, tets, regions, levels, faces, region_names, groups, patches, ..Default::default() };
     let mesh = TetMesh::new(lists).map_err(|error| in_file_ids(path, error, &raw, &vertices))?;
+    if !midsides.is_empty() {
+        midsides::check(path, &mesh, &midsides, &raw)?;
+    }
     notes.extend(coincident(&mesh));
     notes.extend(loose_parts(&mesh, parts));
-    Ok(MeshFile { mesh, format, notes })
+    Ok(MeshFile { mesh, format, notes, midsides })
 }
 
 /// Refuses a tetrahedron, of nodes as places in the file's list, that uses a node twice.
@@ -76,10 +87,15 @@ fn repeated(path: &Path, [first, again]: [usize; 2], tets: &[[u32; 4]], raw: &Ra
     error_at(path, at, message, "remove one; Gmsh writes a cell once for each of its physical volumes")
 }
 
-/// Says which nodes are no vertices: mid-side nodes, and orphans.
-fn dropped(index: &Index, raw: &mut Raw, vertex_of: &[u32]) -> Result<Vec<String>, MeshError> {
+/// The mid-side nodes of the ten-node tetrahedra, as places in the file's list.
+fn midside_nodes(index: &Index, raw: &mut Raw) -> Result<Vec<[u32; 6]>, MeshError> {
     let mut mids = std::mem::take(&mut raw.midsides.nodes);
     index.resolve("ten-node tetrahedron", &mut mids, raw, &raw.midsides.ids, &raw.midsides.places)?;
+    Ok(mids)
+}
+
+/// Says what comes of the nodes that are no vertices: mid-side nodes, and orphans.
+fn unused(mids: &[[u32; 6]], edges: Edges, curved: &[Midside], vertex_of: &[u32]) -> Vec<String> {
     let mut midside = vec![false; vertex_of.len()];
     mids.iter().flatten().for_each(|&n| midside[n as usize] = true);
     let count = |kind: bool| midside.iter().zip(vertex_of).filter(|&(&m, &v)| m == kind && v == NONE).count();
@@ -87,9 +103,12 @@ fn dropped(index: &Index, raw: &mut Raw, vertex_of: &[u32]) -> Result<Vec<String
     let mut notes = Vec::new();
     if !mids.is_empty() {
         let tets = mids.len();
-        notes.push(format!(
-            "{tets} ten-node tetrahedra: the four corner nodes are used, {midsides} mid-side nodes dropped."
-        ));
+        notes.push(match edges {
+            Edges::Straight => format!(
+                "{tets} ten-node tetrahedra: the four corner nodes are used, {midsides} mid-side nodes dropped."
+            ),
+            Edges::Curved => format!("{tets} ten-node tetrahedra, {} edges of them curved.", curved.len()),
+        });
     }
     if orphans > 0 {
         let belong = if orphans == 1 {
@@ -99,7 +118,7 @@ fn dropped(index: &Index, raw: &mut Raw, vertex_of: &[u32]) -> Result<Vec<String
         };
         notes.push(format!("{orphans} {belong} dropped."));
     }
-    Ok(notes)
+    notes
 }
 
 /// Turns all cells round if not one has a positive volume: another convention, not a bad mesh.

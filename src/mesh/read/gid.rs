@@ -1,7 +1,7 @@
 //! GiD ASCII meshes: blocks of `MESH` header, `Coordinates` and `Elements`. Keywords in any case, `#` begins a comment.
 
 use super::lines::{Line, Lines};
-use super::raw::Raw;
+use super::raw::{MidsideOrder, Raw};
 use crate::mesh::MeshError;
 
 /// What a `MESH` header says about the elements that follow.
@@ -111,7 +111,8 @@ fn element(line: Line, kind: Kind, raw: &mut Raw, skipped: &mut usize) -> Result
     let id = fields.id("the element's id")?;
     let nodes = fields.ids("a node of the element")?;
     if kind == Kind::Tet10 {
-        raw.midsides.push(id, fields.ids("a mid-side node of the element")?, 0, line.place());
+        let cell = raw.tets.nodes.len();
+        raw.midsides(id, MidsideOrder::Vtk, fields.ids("a mid-side node of the element")?, cell, line.place());
     }
     let region = fields.optional_tag("the element's material")?.unwrap_or(0);
     fields.end()?;

@@ -2,7 +2,7 @@
 
 use super::binary::Binary;
 use super::lines::{Line, Lines};
-use super::raw::Raw;
+use super::raw::{MidsideOrder, Raw};
 use super::source::{Source, Text};
 use super::{gmsh2, gmsh4};
 use crate::mesh::MeshError;
@@ -174,7 +174,7 @@ pub(super) fn element(
             let nodes = source.ids("a node of the tetrahedron")?;
             if kind == 11 {
                 let mids = source.ids("a mid-side node of the tetrahedron")?;
-                raw.midsides.push(id, mids, 0, source.place());
+                raw.midsides(id, MidsideOrder::Gmsh, mids, raw.tets.nodes.len(), source.place());
             }
             let region = place.physicals.first().copied().unwrap_or(0);
             raw.tets.push(id, nodes, region, source.place());

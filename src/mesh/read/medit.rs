@@ -1,7 +1,7 @@
 //! MEDIT texts (`.mesh`), versions 1 and 2: keywords, each with a count and its entries, whose last field is a reference.
 
 use super::lines::Announced;
-use super::raw::Raw;
+use super::raw::{MidsideOrder, Raw};
 use super::words::{Words, shown};
 use crate::mesh::MeshError;
 use std::path::Path;
@@ -103,7 +103,8 @@ fn tetrahedra(words: &mut Words, second_order: bool, raw: &mut Raw) -> Result<()
         let nodes = ids(words, "a vertex of a tetrahedron")?;
         let place = words.place();
         if second_order {
-            raw.midsides.push(id, ids(words, "a mid-side node of a tetrahedron")?, 0, place);
+            let mids = ids(words, "a mid-side node of a tetrahedron")?;
+            raw.midsides(id, MidsideOrder::Vtk, mids, raw.tets.nodes.len(), place);
         }
         let region = words.number("the reference of a tetrahedron")?;
         raw.tets.push(id, nodes, region, place);

@@ -14,6 +14,7 @@ mod groups;
 mod lines;
 mod list;
 mod medit;
+mod midsides;
 mod nodes;
 mod raw;
 mod runs;
@@ -25,6 +26,7 @@ mod words;
 
 pub use list::read_list;
 
+use super::midside::Midside;
 use super::{MeshError, Place, TetMesh};
 use lines::Lines;
 use raw::Raw;
@@ -38,27 +40,46 @@ pub struct MeshFile {
     pub mesh: TetMesh,
     /// Name of the format.
     pub format: &'static str,
+    /// The nodes of curved edges, sorted by edge; none unless asked for.
+    pub midsides: Vec<Midside>,
     /// What a user should know: what was dropped, flipped or ignored, and what looks odd. Whole sentences.
     pub notes: Vec<String>,
+}
+
+/// What becomes of the mid-side nodes of second-order tetrahedra.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Edges {
+    /// They are dropped.
+    Straight,
+    /// Those that do not lie in the middle of their edges are kept.
+    Curved,
+}
+
+/// Reads a mesh with straight edges; see [`read_with`].
+///
+/// # Errors
+/// As [`read_with`].
+pub fn read(path: &Path) -> Result<MeshFile, MeshError> {
+    read_with(path, Edges::Straight)
 }
 
 /// Reads a mesh: Gmsh MSH 2.2 and 4.1 (text and binary), Abaqus and CalculiX input, MEDIT, VTK legacy and XML
 /// unstructured grids, GiD.
 ///
-/// Ten-node tetrahedra give their four corners. Orphan nodes are dropped. If all cells are inverted, all are flipped.
+/// Ten-node tetrahedra give their four corners and, if asked for, their curved edges. Orphan nodes are dropped. If all cells are inverted, all are flipped.
 /// What was changed is said in [`MeshFile::notes`].
 ///
 /// # Errors
 /// [`MeshError::Unreadable`], [`MeshError::UnknownFormat`], [`MeshError::Syntax`] with the place, [`MeshError::NoCells`],
 /// and what [`TetMesh::new`] refuses, where cells and vertices are then named by the file's ids.
-pub fn read(path: &Path) -> Result<MeshFile, MeshError> {
+pub fn read_with(path: &Path, edges: Edges) -> Result<MeshFile, MeshError> {
     let open = || {
         let file = std::fs::File::open(path)?;
         let length = file.metadata()?.len();
         Ok((std::io::BufReader::with_capacity(1 << 16, file), length))
     };
     let (reader, length) = open().map_err(|source| unreadable(path, source))?;
-    parse(path, reader, length)
+    parse(path, reader, length, edges)
 }
 
 fn unreadable(path: &Path, source: std::io::Error) -> MeshError {
@@ -87,18 +108,18 @@ fn finite(x: f64, name: &str, node: u32) -> Result<(), (String, &'static str)> {
 
 /// Reads a mesh from a file's content of `length` bytes; `path` is for messages, and says where files lie that this one
 /// names.
-fn parse(path: &Path, mut reader: impl BufRead, length: u64) -> Result<MeshFile, MeshError> {
+fn parse(path: &Path, mut reader: impl BufRead, length: u64, edges: Edges) -> Result<MeshFile, MeshError> {
     let mut raw = Raw::default();
     let head = reader.fill_buf().map_err(|source| unreadable(path, source))?;
     if gmsh::is_binary(head) {
         let format = gmsh::read_binary(path, reader, length, &mut raw)?;
-        return build::build(path, format, raw);
+        return build::build(path, format, raw, edges);
     }
     let mut bytes = Vec::new();
     reader.read_to_end(&mut bytes).map_err(|source| unreadable(path, source))?;
     let format = parse_whole(path, &bytes, &mut raw)?;
     drop(bytes);
-    build::build(path, format, raw)
+    build::build(path, format, raw, edges)
 }
 
 /// Reads a file that is in memory.

@@ -47,6 +47,15 @@ impl<const N: usize> Elements<N> {
     }
 }
 
+/// The edges in the order in which a format lists their mid-side nodes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum MidsideOrder {
+    /// 01, 12, 02, 03, 13, 23: VTK, Abaqus, GiD, MEDIT.
+    Vtk,
+    /// 01, 12, 02, 03, 23, 13.
+    Gmsh,
+}
+
 /// The lists of a file.
 #[derive(Debug, Default)]
 pub(super) struct Raw {
@@ -59,7 +68,8 @@ pub(super) struct Raw {
     pub(super) triangles: Elements<3>,
     /// Tag of the surface that each triangle was made on, 0 if unknown. It names the groups if no triangle has a tag.
     pub(super) surfaces: Runs,
-    /// The mid-side nodes of second-order tetrahedra.
+    /// The mid-side nodes of second-order tetrahedra, in the order of [`EDGES`](crate::mesh::quality::EDGES); the tag is the
+    /// place of the tetrahedron in `tets`.
     pub(super) midsides: Elements<6>,
     pub(super) region_names: BTreeMap<i32, String>,
     pub(super) group_names: BTreeMap<i32, String>,
@@ -69,6 +79,15 @@ pub(super) struct Raw {
 }
 
 impl Raw {
+    /// Adds the mid-side nodes of the tetrahedron that stands, or will stand, at place `cell`.
+    pub(super) fn midsides(&mut self, id: u32, order: MidsideOrder, nodes: [u32; 6], cell: usize, place: u64) {
+        let order = match order {
+            MidsideOrder::Vtk => [0, 2, 3, 1, 4, 5],
+            MidsideOrder::Gmsh => [0, 2, 3, 1, 5, 4],
+        };
+        self.midsides.push(id, order.map(|k| nodes[k]), cell as i32, place);
+    }
+
     /// Adds a triangle with the tags of its group and of its surface.
     pub(super) fn triangle(&mut self, id: u32, nodes: [u32; 3], [group, surface]: [i32; 2], place: u64) {
         self.triangles.push(id, nodes, group, place);

@@ -5,7 +5,7 @@ mod elements;
 mod sets;
 mod tags;
 
-use super::raw::Raw;
+use super::raw::{MidsideOrder, Raw};
 use crate::mesh::MeshError;
 use cards::{Card, Cards};
 use elements::Kind;
@@ -116,7 +116,8 @@ fn read_elements(card: &Card, cards: &mut Cards, raw: &mut Raw, deck: &mut Deck)
             (Kind::Tet, &[a, b, c, d, ref mids @ ..]) => {
                 raw.tets.push(id, [a, b, c, d], 0, place);
                 if let &[e, f, g, h, i, j] = mids {
-                    raw.midsides.push(id, [e, f, g, h, i, j], 0, place);
+                    let cell = raw.tets.nodes.len() - 1;
+                    raw.midsides(id, MidsideOrder::Vtk, [e, f, g, h, i, j], cell, place);
                 }
             }
             (Kind::Triangle, &[a, b, c, ..]) => deck.triangles.push((id, [a, b, c], place)),

@@ -48,7 +48,7 @@ fn faces(mesh: &TetMesh, name: &str) -> usize {
 
 #[test]
 fn sets_and_surfaces_become_regions_and_groups() {
-    let MeshFile { mesh, format, notes } = parse_text(INP).unwrap();
+    let MeshFile { mesh, format, notes, .. } = parse_text(INP).unwrap();
     assert_eq!(format, "Abaqus input");
     assert_eq!(mesh.tets(), parse_text(MSH2).unwrap().mesh.tets());
     assert_eq!(mesh.region_names(), ["Upper", "Lower"]);

@@ -108,7 +108,7 @@ fn no_damage_to_a_file_of_any_format_panics() {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let bytes = std::fs::read(&path).unwrap();
-        let check = |bytes: &[u8]| match parse(&path, bytes, bytes.len() as u64) {
+        let check = |bytes: &[u8]| match parse(&path, bytes, bytes.len() as u64, Edges::Straight) {
             Ok(file) => drop(TetMesh::new(file.mesh.into_parts()).unwrap()),
             Err(MeshError::Inconsistent(message)) => panic!("{}: {message}", path.display()),
             Err(_) => {}

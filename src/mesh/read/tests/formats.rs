@@ -76,7 +76,7 @@ fn faults_of_medit_files_are_named_with_their_line() {
 
 #[test]
 fn vtk_cell_data_become_regions_and_groups() {
-    let MeshFile { mesh, format, notes } = parse_text(VTK).unwrap();
+    let MeshFile { mesh, format, notes, .. } = parse_text(VTK).unwrap();
     assert_eq!((format, mesh.tets()), ("VTK legacy ASCII", parse_text(MSH2).unwrap().mesh.tets()));
     assert_eq!(mesh.region_names(), ["volume-1", "volume-2"]);
     assert_eq!((mesh.groups(), area(&mesh, "surface-7")), (&["surface-7".to_owned()][..], 0.5));
@@ -102,7 +102,7 @@ fn assert_byte_fault(name: &str, change: impl Fn(&mut Vec<u8>), words: &[&str]) 
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/meshes").join(name);
     let mut bytes = std::fs::read(&path).unwrap();
     change(&mut bytes);
-    let error = parse(&path, &bytes[..], bytes.len() as u64).unwrap_err();
+    let error = parse(&path, &bytes[..], bytes.len() as u64, Edges::Straight).unwrap_err();
     let MeshError::Syntax { at: Place::Byte(at), message, help, .. } = error else { panic!("{name}: {error}") };
     assert!(at <= bytes.len());
     for word in words {

@@ -126,7 +126,7 @@ fn parse_text(text: &str) -> Result<MeshFile, MeshError> {
 }
 
 fn parse_bytes(bytes: &[u8]) -> Result<MeshFile, MeshError> {
-    parse(Path::new("test.msh"), bytes, bytes.len() as u64)
+    parse(Path::new("test.msh"), bytes, bytes.len() as u64, Edges::Straight)
 }
 
 /// Line, message and help of the syntax error that a text gives.
@@ -162,7 +162,7 @@ fn the_tripod_has_the_published_counts() {
         println!("skipped: SUBSOLID_DATA is not set");
         return;
     };
-    let MeshFile { mesh, format, notes } = read(&Path::new(&folder).join("tripod.GiD.msh")).unwrap();
+    let MeshFile { mesh, format, notes, .. } = read(&Path::new(&folder).join("tripod.GiD.msh")).unwrap();
     assert_eq!(format, "GiD ASCII");
     assert_eq!((mesh.tets().len(), mesh.points().len(), mesh.faces().len()), (2799, 967, 1710));
     assert_eq!(crate::mesh::topology::edges(mesh.tets()).len(), 4621);

@@ -1,6 +1,6 @@
 //! From the arrays of a grid to lists of nodes and elements.
 
-use super::super::raw::Raw;
+use super::super::raw::{MidsideOrder, Raw};
 use super::super::runs::Runs;
 use super::super::{error_at, finite};
 use crate::mesh::{MeshError, Place};
@@ -156,7 +156,7 @@ impl Cell {
                 raw.tets.push(id, [node(0)?, node(1)?, node(2)?, node(3)?], tag, place);
                 if points.len() == 10 {
                     let mids = [node(4)?, node(5)?, node(6)?, node(7)?, node(8)?, node(9)?];
-                    raw.midsides.push(id, mids, 0, place);
+                    raw.midsides(id, MidsideOrder::Vtk, mids, raw.tets.nodes.len() - 1, place);
                 }
             }
             Kind::Triangle => raw.triangle(id, [node(0)?, node(1)?, node(2)?], [tag, 0], place),

@@ -1,0 +1,220 @@
+//! Recovery for ten-node cells, whose stress is linear: a quadratic stress between values at their ten nodes.
+//!
+//! SPR (Zienkiewicz and Zhu 1992, part 1): around each vertex a quadratic polynomial is fitted by least squares to the
+//! stresses at four points a cell. At the vertex it gives the value, at the middle of an edge the mean of both ends'
+//! polynomials does. Averaging takes the mean of the stresses of the cells around a node, weighted by volume.
+
+use super::patches::Patches;
+use super::{Field, add_scaled, minus};
+use crate::adapt::options::Estimator;
+use crate::fem::{Material, SymTensor};
+use crate::mesh::quality::EDGES;
+use glam::DVec3;
+use nalgebra::{SMatrix, SVector};
+use rayon::prelude::*;
+
+/// Fewest cells that a quadratic polynomial is fitted to; around fewer, cells that touch them are taken as well.
+const MIN_CELLS: usize = 10;
+
+/// Smallest ratio of the squared pivots of the normal matrix at which a fit is trusted.
+const MIN_RATIO: f64 = 1e-6;
+
+/// The points of a cell that the polynomial is fitted to: those of the quadrature rule of degree two.
+const SAMPLE: [f64; 2] = [0.585_410_196_624_968_5, 0.138_196_601_125_010_5];
+
+/// Squared errors of the cells and stress at the nodes.
+pub(super) fn estimate<'a>(
+    field: &Field<'_>,
+    patches: &Patches,
+    material: impl Fn(usize) -> &'a Material + Sync,
+    estimator: Estimator,
+) -> (Vec<f64>, Vec<SymTensor>) {
+    let fits: Vec<Polynomial> = (0..patches.len())
+        .into_par_iter()
+        .map(|p| match estimator {
+            Estimator::Spr => Polynomial::recover(field, patches, p),
+            Estimator::Averaging => Polynomial::mean(field, patches, p),
+        })
+        .collect();
+    let recovered = Recovered { field, patches, fits: &fits, estimator };
+    let of_cells: Vec<(f64, [SymTensor; 6])> = (0..field.stress.cells())
+        .into_par_iter()
+        .map(|t| {
+            let values = recovered.values(t);
+            let squared = if patches.is_isolated(t) { 0.0 } else { recovered.squared_error(t, material(t), &values) };
+            (squared, std::array::from_fn(|e| values[4 + e]))
+        })
+        .collect();
+    let vertices: Vec<SymTensor> = fits.iter().map(|f| f.coefficients[0]).collect();
+    let mut nodal = super::at_vertices(field, patches, &vertices);
+    nodal.extend(between_vertices(field, &of_cells));
+    (of_cells.into_iter().map(|(squared, _)| squared).collect(), nodal)
+}
+
+/// One stress a midside node: the mean of those of its cells, weighted by volume.
+fn between_vertices(field: &Field, of_cells: &[(f64, [SymTensor; 6])]) -> Vec<SymTensor> {
+    let vertices = field.space.mesh().points().len();
+    let mut sums = vec![([0.0; 6], 0.0); field.space.midside().len()];
+    for (t, (_, values)) in of_cells.iter().enumerate() {
+        for (node, value) in field.space.cell(t).skip(4).zip(values) {
+            let (sum, weight) = &mut sums[node as usize - vertices];
+            add_scaled(sum, field.volumes[t], value);
+            *weight += field.volumes[t];
+        }
+    }
+    sums.into_iter().map(|(sum, weight)| sum.map(|x| x / weight)).collect()
+}
+
+/// The stress that is recovered from patches.
+struct Recovered<'a> {
+    field: &'a Field<'a>,
+    patches: &'a Patches,
+    fits: &'a [Polynomial],
+    estimator: Estimator,
+}
+
+impl Recovered<'_> {
+    /// The recovered stress at the ten nodes of cell `t`.
+    fn values(&self, t: usize) -> [SymTensor; 10] {
+        let patches = self.patches.of_cell(t);
+        let x = self.field.space.mesh().cell_points(t);
+        std::array::from_fn(|a| {
+            if a < 4 {
+                return self.fits[patches[a] as usize].coefficients[0];
+            }
+            let [i, j] = EDGES[a - 4];
+            match self.estimator {
+                Estimator::Spr => {
+                    let middle = x[i].midpoint(x[j]);
+                    let [p, q] = [i, j].map(|k| self.fits[patches[k] as usize].at(middle));
+                    std::array::from_fn(|c| 0.5 * (p[c] + q[c]))
+                }
+                Estimator::Averaging => self.mean_around_edge(patches[i] as usize, patches[j] as usize),
+            }
+        })
+    }
+
+    /// The mean stress at the middle of an edge over the cells that two patches share.
+    fn mean_around_edge(&self, p: usize, q: usize) -> SymTensor {
+        let (field, other) = (self.field, self.patches.cells(q));
+        let ends = [self.patches.vertex(p), self.patches.vertex(q)];
+        let (mut sum, mut weight) = ([0.0; 6], 0.0);
+        for t in self.patches.cells(p).iter().filter(|t| other.binary_search(t).is_ok()).map(|&t| t as usize) {
+            let tet = field.space.mesh().tets()[t];
+            let middle = tet.map(|v| if ends.contains(&v) { 0.5 } else { 0.0 });
+            add_scaled(&mut sum, field.volumes[t], &field.stress.at(t, middle));
+            weight += field.volumes[t];
+        }
+        sum.map(|x| x / weight)
+    }
+
+    /// The integral of `d : C^-1 : d` over cell `t`, d the difference of recovered and computed stress.
+    fn squared_error(&self, t: usize, material: &Material, values: &[SymTensor; 10]) -> f64 {
+        let differences: [SymTensor; 10] = std::array::from_fn(|a| {
+            let place = if a < 4 { [a, a] } else { EDGES[a - 4] };
+            let mut l = [0.0; 4];
+            place.iter().for_each(|&i| l[i] += 0.5);
+            minus(&values[a], &self.field.stress.at(t, l))
+        });
+        let sum: f64 = (0..10)
+            .map(|a| {
+                let mut weighted = [0.0; 6];
+                (0..10).for_each(|b| add_scaled(&mut weighted, shape_product(a, b), &differences[b]));
+                crate::fem::double_contraction(weighted, material.strain(differences[a]))
+            })
+            .sum();
+        (self.field.volumes[t] * sum).max(0.0)
+    }
+}
+
+/// Mean of `N_a N_b` over a cell.
+fn shape_product(a: usize, b: usize) -> f64 {
+    let shared = |e: [usize; 2], f: [usize; 2]| e.iter().filter(|i| f.contains(i)).count();
+    let sum = match (a < 4, b < 4) {
+        (true, true) => [1, 6][usize::from(a == b)],
+        (true, false) => [-6, -4][usize::from(EDGES[b - 4].contains(&a))],
+        (false, true) => [-6, -4][usize::from(EDGES[a - 4].contains(&b))],
+        (false, false) => [8, 16, 32][shared(EDGES[a - 4], EDGES[b - 4])],
+    };
+    f64::from(sum) / 420.0
+}
+
+/// A stress whose components are quadratic polynomials in `(x - origin) / size`: 1, x, y, z, xx, yy, zz, xy, yz, xz.
+struct Polynomial {
+    origin: DVec3,
+    size: f64,
+    coefficients: [SymTensor; 10],
+}
+
+impl Polynomial {
+    /// Fits the stresses around the vertex of a patch.
+    fn recover(field: &Field, patches: &Patches, patch: usize) -> Self {
+        let own = patches.cells(patch);
+        let fit = if own.len() < MIN_CELLS {
+            let around = patches.around(own);
+            Self::fit::<10>(field, patches.vertex(patch), &around)
+                .or_else(|| Self::fit::<4>(field, patches.vertex(patch), &around))
+        } else {
+            Self::fit::<10>(field, patches.vertex(patch), own)
+                .or_else(|| Self::fit::<4>(field, patches.vertex(patch), own))
+        };
+        fit.unwrap_or_else(|| Self::mean(field, patches, patch))
+    }
+
+    /// The mean of the stresses at the vertex of a patch, constant.
+    fn mean(field: &Field, patches: &Patches, patch: usize) -> Self {
+        let (mesh, vertex) = (field.space.mesh(), patches.vertex(patch));
+        let cells = patches.to_recover_from(patch);
+        let mut coefficients = [[0.0; 6]; 10];
+        for t in cells.iter().map(|&t| t as usize) {
+            // Cells that do not have the vertex count with their mean.
+            let corner = mesh.tets()[t].map(|v| f64::from(u8::from(v == vertex)));
+            let place = if corner == [0.0; 4] { [0.25; 4] } else { corner };
+            add_scaled(&mut coefficients[0], field.volumes[t], &field.stress.at(t, place));
+        }
+        let volume = field.volume_of(&cells);
+        coefficients[0] = coefficients[0].map(|x| x / volume);
+        Self { origin: mesh.points()[vertex as usize], size: 1.0, coefficients }
+    }
+
+    /// The least-squares polynomial of `N` terms around a vertex; `None` if the cells do not determine it.
+    fn fit<const N: usize>(field: &Field, vertex: u32, cells: &[u32]) -> Option<Self> {
+        let mesh = field.space.mesh();
+        let origin = mesh.points()[vertex as usize];
+        let far = cells.iter().flat_map(|&t| mesh.cell_points(t as usize)).map(|x| x.distance(origin));
+        let size = far.fold(0.0, f64::max);
+        let (mut normal, mut right) = (SMatrix::<f64, N, N>::zeros(), SMatrix::<f64, N, 6>::zeros());
+        for t in cells.iter().map(|&t| t as usize) {
+            for k in 0..4 {
+                let l: [f64; 4] = std::array::from_fn(|i| SAMPLE[usize::from(i != k)]);
+                let all = monomials((field.space.position(t, l) - origin) / size);
+                let p = SVector::<f64, N>::from_fn(|i, _| all[i]);
+                normal.ger(1.0, &p, &p, 1.0);
+                right.ger(1.0, &p, &SVector::<f64, 6>::from(field.stress.at(t, l)), 1.0);
+            }
+        }
+        let factor = normal.cholesky()?;
+        let pivots = factor.l_dirty().diagonal();
+        if pivots.min().powi(2) < MIN_RATIO * pivots.max().powi(2) {
+            return None;
+        }
+        let solution = factor.solve(&right);
+        let mut coefficients = [[0.0; 6]; 10];
+        for (i, row) in coefficients.iter_mut().enumerate().take(N) {
+            *row = std::array::from_fn(|c| solution[(i, c)]);
+        }
+        Some(Self { origin, size, coefficients })
+    }
+
+    fn at(&self, x: DVec3) -> SymTensor {
+        let mut sum = [0.0; 6];
+        for (p, c) in monomials((x - self.origin) / self.size).into_iter().zip(&self.coefficients) {
+            add_scaled(&mut sum, p, c);
+        }
+        sum
+    }
+}
+
+fn monomials(x: DVec3) -> [f64; 10] {
+    [1.0, x.x, x.y, x.z, x.x * x.x, x.y * x.y, x.z * x.z, x.x * x.y, x.y * x.z, x.x * x.z]
+}

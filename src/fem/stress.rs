@@ -1,0 +1,124 @@
+//! The stress of the elements: a polynomial in each cell, with jumps between them.
+
+use super::options::Element;
+use super::{Model, Space, SymTensor, tet4, tet10};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// The vertices of a cell.
+const CORNERS: [[f64; 4]; 4] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+
+/// Barycentric coordinates of the quadrature points of degree two: one of these, three of the other.
+const GAUSS: [f64; 2] = [0.585_410_196_624_968_5, 0.138_196_601_125_010_5];
+
+/// The quadrature points of degree two. In cells with curved edges, where the stress is no polynomial, that of the element
+/// is taken there.
+const SAMPLE: [[f64; 4]; 4] = {
+    let [a, b] = GAUSS;
+    [[a, b, b, b], [b, a, b, b], [b, b, a, b], [b, b, b, a]]
+};
+
+/// The values at the vertices of the linear function through four values at [`SAMPLE`].
+fn through(values: [SymTensor; 4]) -> [SymTensor; 4] {
+    let [own, other] = GAUSS;
+    let sum: SymTensor = std::array::from_fn(|i| values.iter().map(|s| s[i]).sum());
+    values.map(|s| std::array::from_fn(|i| (s[i] - other * sum[i]) / (own - other)))
+}
+
+/// Stress in each cell: constant for four-node cells, linear for ten-node cells.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stress {
+    /// One tensor a cell, or four: those at its vertices.
+    values: Vec<SymTensor>,
+    linear: bool,
+}
+
+impl Stress {
+    /// A stress that is constant in each cell.
+    #[must_use]
+    pub fn constant(cells: Vec<SymTensor>) -> Self {
+        Self { values: cells, linear: false }
+    }
+
+    /// A stress that is linear in each cell, given at its vertices.
+    #[must_use]
+    pub fn linear(corners: &[[SymTensor; 4]]) -> Self {
+        Self { values: corners.concat(), linear: true }
+    }
+
+    /// The stress of nodal displacements, `C : sum_a sym(u_a grad N_a^T)`.
+    #[must_use]
+    pub(super) fn of(space: &Space<'_>, model: &Model, u: &[DVec3]) -> Self {
+        let mesh = space.mesh();
+        let linear = space.element() == Element::Tet10;
+        let material = |t: usize| &model.materials[mesh.regions()[t].0 as usize];
+        let cells = (0..mesh.tets().len()).into_par_iter();
+        let values = if linear {
+            cells
+                .flat_map_iter(|t| {
+                    let at = |l| {
+                        let moves = space.cell(t).map(|v| u[v as usize]);
+                        let gradients = tet10::gradients(space.frame(t, l).1, l);
+                        material(t).stress(tet4::strain(gradients.into_iter().zip(moves)))
+                    };
+                    if space.is_curved(t) { through(SAMPLE.map(at)) } else { CORNERS.map(at) }
+                })
+                .collect()
+        } else {
+            cells
+                .map(|t| {
+                    let (_, g) = tet4::gradients(mesh.cell_points(t));
+                    material(t).stress(tet4::strain(g.into_iter().zip(mesh.tets()[t].map(|v| u[v as usize]))))
+                })
+                .collect()
+        };
+        Self { values, linear }
+    }
+
+    /// Number of cells.
+    #[must_use]
+    pub fn cells(&self) -> usize {
+        if self.linear { self.values.len() / 4 } else { self.values.len() }
+    }
+
+    /// True if the stress varies in the cells.
+    #[must_use]
+    pub fn is_linear(&self) -> bool {
+        self.linear
+    }
+
+    /// The mean stress of cell `t`.
+    #[must_use]
+    pub fn mean(&self, t: usize) -> SymTensor {
+        self.at(t, [0.25; 4])
+    }
+
+    /// The mean stress of each cell.
+    #[must_use]
+    pub fn means(&self) -> Vec<SymTensor> {
+        (0..self.cells()).map(|t| self.mean(t)).collect()
+    }
+
+    /// The stress at barycentric coordinates of cell `t`.
+    #[must_use]
+    pub fn at(&self, t: usize, l: [f64; 4]) -> SymTensor {
+        if !self.linear {
+            return self.values[t];
+        }
+        let corners = &self.values[4 * t..4 * t + 4];
+        std::array::from_fn(|i| corners.iter().zip(l).map(|(s, l)| l * s[i]).sum())
+    }
+
+    /// Integral of half stress times strain over each cell.
+    pub fn energies(&self, space: &Space<'_>, model: &Model) -> impl Iterator<Item = f64> {
+        let mesh = space.mesh();
+        (0..self.cells()).map(move |t| {
+            let density = |s| 0.5 * model.materials[mesh.regions()[t].0 as usize].compliance_energy(s);
+            if self.linear {
+                space.cell_rule(t).into_iter().map(|(l, _, volume)| volume * density(self.at(t, l))).sum()
+            } else {
+                mesh.cell_volume(t) * density(self.values[t])
+            }
+        })
+    }
+}
