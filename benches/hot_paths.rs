@@ -83,12 +83,12 @@ fn assemble(bencher: Bencher) {
         .bench(|| fem::assemble(&fem::Space::linear(&mesh), &model).unwrap());
 }
 
-#[divan::bench(args = [Method::Direct, Method::Cg])]
+#[divan::bench(args = [Method::Direct, Method::AmgCg])]
 fn solve(bencher: Bencher, method: Method) {
     let mesh = cube(16);
     let system = fem::assemble(&fem::Space::linear(&mesh), &model(&mesh)).unwrap();
     let options = SolverOptions { method, ..SolverOptions::default() };
-    bencher.counter(ItemsCount::new(mesh.tets().len())).bench(|| fem::solve(&system, &options).unwrap());
+    bencher.counter(ItemsCount::new(mesh.tets().len())).bench(|| fem::solve(&system, &options, None).unwrap());
 }
 
 #[divan::bench(args = [Estimator::Spr, Estimator::Averaging])]
@@ -96,7 +96,7 @@ fn estimate(bencher: Bencher, estimator: Estimator) {
     let mesh = cube(16);
     let model = model(&mesh);
     let system = fem::assemble(&fem::Space::linear(&mesh), &model).unwrap();
-    let solved = fem::solve(&system, &SolverOptions::default()).unwrap();
+    let solved = fem::solve(&system, &SolverOptions::default(), None).unwrap();
     let stress = fem::recover(&fem::Space::linear(&mesh), &model, &system, &solved).stress;
     let count = ItemsCount::new(mesh.tets().len());
     bencher.counter(count).bench(|| adapt::estimate(&fem::Space::linear(&mesh), &model.materials, &stress, estimator));

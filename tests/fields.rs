@@ -36,7 +36,7 @@ fn solve_on(mesh: &TetMesh, problem: &Resolved) -> (System, Solution) {
     let system = fem::assemble(&fem::Space::linear(mesh), &problem.model).unwrap();
     let options = SolverOptions { method: Method::Direct, tolerance: 1e-11, ..SolverOptions::default() };
     let solution =
-        fem::recover(&fem::Space::linear(mesh), &problem.model, &system, &fem::solve(&system, &options).unwrap());
+        fem::recover(&fem::Space::linear(mesh), &problem.model, &system, &fem::solve(&system, &options, None).unwrap());
     let scale = solution.reactions.iter().map(|r| r.length()).fold(1e-6, f64::max);
     assert!(fem::global_balance(&system, &solution).length() < 1e-9 * scale);
     (system, solution)

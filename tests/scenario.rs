@@ -127,7 +127,7 @@ estimator = "averaging"
 marking = { fraction = 0.1 }
 grow = 1
 [solver]
-method = "cg"
+method = "amg-cg"
 tolerance = 1e-10
 [output]
 vtk = false

@@ -1,12 +1,13 @@
 //! The linear system: stiffness, nodal forces, and which displacements are prescribed.
 
-use super::block_matrix::{BlockMatrix, CHUNK};
+use super::block_matrix::BlockMatrix;
+use super::gather::gather;
 use super::numbering::Dofs;
 use super::options::Element;
-use super::{FemError, Model, Space, check, loads, springs, tet4, tet10};
+use super::{FemError, Model, Space, check, loads, quadratic, springs, tet4, tet10};
 use crate::mesh::topology::NodeCells;
+use crate::mesh::{TetMesh, quality};
 use glam::{DMat3, DVec3};
-use rayon::prelude::*;
 
 /// The linear system `K u = f` of all nodes, with the displacements that are prescribed.
 #[derive(Debug, Clone)]
@@ -18,6 +19,18 @@ pub struct System {
     pub(super) numbering: Dofs,
     /// Positions of the nodes: the rigid motions that the iterative solver builds on depend on them.
     pub(super) points: Vec<DVec3>,
+    /// Of ten-node cells, what their vertices are.
+    pub(super) linear: Option<Linear>,
+}
+
+/// The vertices of ten-node cells: the first nodes, before those on edges.
+#[derive(Debug, Clone)]
+pub(super) struct Linear {
+    /// Stiffness of the four-node cells between the vertices. Where edges are straight it is `P^T K P`, with `P` that gives
+    /// the middle of an edge the mean of its ends.
+    pub stiffness: BlockMatrix,
+    /// The vertices that each node on an edge lies between.
+    pub ends: Vec<[u32; 2]>,
 }
 
 impl System {
@@ -51,118 +64,55 @@ pub fn assemble(space: &Space<'_>, model: &Model) -> Result<System, FemError> {
     check::check(space.mesh(), model)?;
     let numbering = Dofs::new(space, model)?;
     let loads = loads::nodal_forces(space, model)?;
-    let mut stiffness = stiffness(space, model);
+    let (mut stiffness, linear) = match space.element() {
+        Element::Tet4 => (stiffness(space.mesh(), model), None),
+        Element::Tet10 => (quadratic::stiffness(space, model), Some(linear(space, model))),
+    };
     springs::add(space, model, &mut stiffness);
-    Ok(System { stiffness, loads, numbering, points: space.points().to_vec() })
+    Ok(System { stiffness, loads, numbering, points: space.points().to_vec(), linear })
 }
 
-/// The stiffness of all nodes. Each row is gathered by one task from the cells of its node in ascending order, so that
-/// no atomics are needed and the bytes do not depend on the number of threads.
-fn stiffness(space: &Space<'_>, model: &Model) -> BlockMatrix {
-    let mesh = space.mesh();
+/// The stiffness between the vertices as nodes of four-node cells.
+fn stiffness(mesh: &TetMesh, model: &Model) -> BlockMatrix {
+    let cells = NodeCells::new(mesh.points().len(), mesh.tets());
     let lame: Vec<[f64; 2]> = model.materials.iter().map(|m| [m.lambda(), m.mu()]).collect();
-    let lame = |t: usize| lame[mesh.regions()[t].0 as usize];
-    match space.element() {
-        Element::Tet4 => {
-            let nodes = |t: usize| mesh.tets()[t];
-            gather(space, nodes, |t, a| {
-                let (volume, g) = tet4::gradients(mesh.cell_points(t));
-                let [lambda, mu] = lame(t).map(|modulus| volume * modulus);
-                g.map(|b| tet4::stiffness_block(lambda, mu, g[a], b))
-            })
-        }
-        Element::Tet10 => {
-            let nodes = |t: usize| {
-                let mut nodes = [0; 10];
-                nodes.iter_mut().zip(space.cell(t)).for_each(|(place, v)| *place = v);
-                nodes
-            };
-            gather(space, nodes, |t, a| ten_node_row(space, t, a, lame(t)))
-        }
-    }
+    let nodes = |t: u32| mesh.tets()[t as usize].into_iter();
+    gather(&cells, mesh.points().len(), nodes, |i, places, blocks| {
+        gather_row(mesh, &lame, i, cells.at(i), places, blocks);
+    })
 }
 
-/// Row `a` of the stiffness of a ten-node cell: exact where edges are straight, else by quadrature of degree five.
-fn ten_node_row(space: &Space<'_>, t: usize, a: usize, [lambda, mu]: [f64; 2]) -> [DMat3; 10] {
-    if !space.is_curved(t) {
-        let (volume, g) = space.frame(t, [0.25; 4]);
-        return tet10::stiffness_row(a, volume * lambda, volume * mu, g);
-    }
-    let mut row = [DMat3::ZERO; 10];
-    for (l, _, weight) in space.cell_rule(t) {
-        let gradients = tet10::gradients(space.frame(t, l).1, l);
-        for (block, b) in row.iter_mut().zip(gradients) {
-            *block += tet4::stiffness_block(weight * lambda, weight * mu, gradients[a], b);
-        }
-    }
-    row
-}
-
-/// The matrix of cells of `N` nodes; `row` gives a row of the matrix of a cell.
-fn gather<const N: usize>(
-    space: &Space<'_>,
-    nodes: impl Fn(usize) -> [u32; N] + Sync,
-    row: impl Fn(usize, usize) -> [DMat3; N] + Sync,
-) -> BlockMatrix {
-    let rows = space.points().len();
-    let cells = NodeCells::of(rows, space.mesh().tets().len(), |t| nodes(t).into_iter());
-    let (starts, columns) = pattern(rows, &cells, &nodes);
-    let mut blocks = vec![DMat3::ZERO; columns.len()];
-    let mut chunks = Vec::with_capacity(rows.div_ceil(CHUNK));
-    let mut rest = blocks.as_mut_slice();
-    for first in (0..rows).step_by(CHUNK) {
-        let last = rows.min(first + CHUNK);
-        let (chunk, tail) = rest.split_at_mut(starts[last] - starts[first]);
-        chunks.push((first..last, chunk));
-        rest = tail;
-    }
-    chunks.into_par_iter().for_each(|(range, mut chunk)| {
-        for i in range {
-            let columns = &columns[starts[i]..starts[i + 1]];
-            let (blocks, tail) = chunk.split_at_mut(columns.len());
-            chunk = tail;
-            for t in cells.at(i as u32).iter().map(|&t| t as usize) {
-                let nodes = nodes(t);
-                // The node belongs to the cell, whose nodes are in the lists that were made of the cells.
-                let own = nodes.iter().position(|&v| v as usize == i).unwrap_or_default();
-                for (v, block) in nodes.into_iter().zip(row(t, own)) {
-                    blocks[columns.partition_point(|&c| c < v)] += block;
-                }
+/// Adds the blocks of node `i` from its cells; `places` says where the block of each of its neighbours is.
+fn gather_row(mesh: &TetMesh, lame: &[[f64; 2]], i: u32, cells: &[u32], places: &[u32], blocks: &mut [DMat3]) {
+    let region = |t: &u32| mesh.regions()[*t as usize].0 as usize;
+    let one = cells.first().map(region).filter(|&one| cells.iter().all(|t| region(t) == one));
+    for &t in cells {
+        let tet = mesh.tets()[t as usize];
+        let p = mesh.cell_points(t as usize);
+        let n = quality::face_normals(p);
+        // With grad N_i = -n_i / (6 V), `V grad N_i grad N_j^T` is this times `n_i n_j^T`.
+        let weight = 1.0 / (36.0 * quality::volume(p));
+        // Node i belongs to its cells.
+        let own = weight * tet.iter().position(|&v| v == i).map_or(DVec3::ZERO, |a| n[a]);
+        for (v, n) in tet.into_iter().zip(n) {
+            let block = &mut blocks[places[v as usize] as usize];
+            if one.is_some() {
+                // In one material the products are summed up first.
+                *block += tet10::outer(own, n);
+            } else {
+                let [lambda, mu] = lame[region(&t)];
+                *block += tet4::stiffness_block(lambda, mu, own, n);
             }
         }
-    });
-    BlockMatrix { starts, columns, blocks }
+    }
+    if let Some([lambda, mu]) = one.map(|region| lame[region]) {
+        blocks.iter_mut().for_each(|block| *block = tet10::stiffness_block(lambda, mu, *block));
+    }
 }
 
-/// Nodes that share a cell with each node (itself included), ascending, as compressed rows.
-fn pattern<const N: usize>(
-    rows: usize,
-    cells: &NodeCells,
-    nodes: impl Fn(usize) -> [u32; N] + Sync,
-) -> (Vec<usize>, Vec<u32>) {
-    let chunks: Vec<(Vec<usize>, Vec<u32>)> = (0..rows.div_ceil(CHUNK))
-        .into_par_iter()
-        .map(|chunk| {
-            let (mut lengths, mut columns, mut row) = (Vec::with_capacity(CHUNK), Vec::new(), Vec::new());
-            for i in chunk * CHUNK..rows.min((chunk + 1) * CHUNK) {
-                row.clear();
-                row.extend(cells.at(i as u32).iter().flat_map(|&t| nodes(t as usize)));
-                row.sort_unstable();
-                row.dedup();
-                lengths.push(row.len());
-                columns.extend_from_slice(&row);
-            }
-            (lengths, columns)
-        })
-        .collect();
-    let mut starts = Vec::with_capacity(rows + 1);
-    starts.push(0);
-    let mut columns = Vec::with_capacity(chunks.iter().map(|(_, c)| c.len()).sum());
-    for (lengths, chunk) in chunks {
-        for length in lengths {
-            starts.push(starts[starts.len() - 1] + length);
-        }
-        columns.extend_from_slice(&chunk);
-    }
-    (starts, columns)
+/// What the vertices of ten-node cells are.
+fn linear(space: &Space<'_>, model: &Model) -> Linear {
+    let mut stiffness = stiffness(space.mesh(), model);
+    springs::add(&Space::linear(space.mesh()), model, &mut stiffness);
+    Linear { stiffness, ends: space.midside().to_vec() }
 }

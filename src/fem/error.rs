@@ -130,14 +130,14 @@ pub enum FemError {
     },
     /// There is not enough memory for the factor.
     #[error("the Cholesky factor needs {bytes} bytes, which cannot be had")]
-    #[diagnostic(help("use method \"cg\", or \"auto\" with a limit on the memory of the direct method"))]
+    #[diagnostic(help("use method \"amg-cg\", or \"auto\" with a limit on the memory of the direct method"))]
     OutOfMemory {
         /// Bytes asked for.
         bytes: u64,
     },
     /// The ordering or the symbolic factorisation failed.
     #[error("the direct method cannot order the matrix: {0}")]
-    #[diagnostic(help("use method \"cg\""))]
+    #[diagnostic(help("use method \"amg-cg\""))]
     Ordering(String),
 }
 

@@ -23,8 +23,8 @@ pub enum Method {
     Auto,
     /// Sparse Cholesky with a nested-dissection ordering.
     Direct,
-    /// Conjugate gradients, preconditioned on two levels: 3x3 diagonal blocks, and rigid motions of aggregates of nodes.
-    Cg,
+    /// Conjugate gradients, preconditioned by smoothed-aggregation multigrid on the rigid motions.
+    AmgCg,
 }
 
 /// Parameters of [`super::solve`].

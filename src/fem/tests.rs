@@ -59,9 +59,10 @@ fn linear_patch_test(element: Element) {
     let exact = |x: DVec3| gradient * x + DVec3::new(1.0, -2.0, 0.5);
     prescribe_boundary(&space, &mut system, exact);
     assert!(system.free_dofs() > 50);
-    let methods: &[Method] = if element == Element::Tet4 { &[Method::Direct, Method::Cg] } else { &[Method::Direct] };
-    for &method in methods {
-        let solved = solve(&system, &SolverOptions { method, ..exactly() }).unwrap();
+    let methods: &[Method] =
+        if element == Element::Tet4 { &[Method::Direct, Method::AmgCg] } else { &[Method::Direct] };
+    for method in methods {
+        let solved = solve(&system, &SolverOptions { method, ..exactly() }, None).unwrap();
         let solution = recover(&space, &model, &system, &solved);
         for (u, x) in solution.displacement.iter().zip(space.points()) {
             assert!((*u - exact(*x)).length() < 1e-12 * 4.0, "{method:?}: {u} at {x}");
@@ -98,7 +99,7 @@ fn quadratic_displacements_are_exact_for_ten_nodes() {
         let space = Space::new(&mesh, element, &[]);
         let mut system = assemble(&space, &model).unwrap();
         prescribe_boundary(&space, &mut system, exact);
-        let solution = recover(&space, &model, &system, &solve(&system, &exactly()).unwrap());
+        let solution = recover(&space, &model, &system, &solve(&system, &exactly(), None).unwrap());
         let far = solution.displacement.iter().zip(space.points()).map(|(u, x)| (*u - exact(*x)).length());
         let worst = far.fold(0.0, f64::max);
         assert!(allowed.contains(&worst), "{element:?}: {worst}");
@@ -161,7 +162,7 @@ fn curved_elements_pass_the_patch_test() {
     let mut system = assemble(&space, &model).unwrap();
     let gradient = DMat3::from_cols_array(&[0.3, -0.2, 0.5, 0.1, 0.4, -0.6, 0.7, 0.2, -0.1]);
     prescribe_boundary(&space, &mut system, |x| gradient * x);
-    let solution = recover(&space, &model, &system, &solve(&system, &exactly()).unwrap());
+    let solution = recover(&space, &model, &system, &solve(&system, &exactly(), None).unwrap());
     for (u, x) in solution.displacement.iter().zip(space.points()) {
         assert!((*u - gradient * *x).length() < 1e-12, "{u} at {x}");
     }
@@ -199,7 +200,7 @@ fn curved_edges_pay_on_a_sphere() {
         let space = Space::new(&mesh, Element::Tet10, midsides);
         let area: f64 = mesh.group_faces(inner).flat_map(|f| space.face_rule(f)).map(|(_, _, a)| a.length()).sum();
         let system = assemble(&space, &model).unwrap();
-        let solution = recover(&space, &model, &system, &solve(&system, &exactly()).unwrap());
+        let solution = recover(&space, &model, &system, &solve(&system, &exactly(), None).unwrap());
         // The pressure of 1 does work on the displacement of 0.8 of the inner surface.
         let energy = 0.5 * 0.8 * 0.5 * PI;
         [
@@ -272,7 +273,7 @@ fn smooth_cube_errors(mesh: &TetMesh, element: Element, poissons_ratio: f64) -> 
     let mut system = assemble(&space, &model).unwrap();
     let exact = Exact { solution: options::ExactSolution::SmoothCube, material, tractions: None };
     exact.add_loads(&space, &mut system);
-    let solution = recover(&space, &model, &system, &solve(&system, &exactly()).unwrap());
+    let solution = recover(&space, &model, &system, &solve(&system, &exactly(), None).unwrap());
     let squared = (0..mesh.tets().len()).map(|t| {
         let at = |(l, w, x): ([f64; 4], f64, DVec3)| {
             w * (smooth(x) - space.interpolate(&solution.displacement, t, l)).length_squared()
@@ -315,8 +316,8 @@ fn vertices_of_no_cell_are_left_alone() {
     check_constraints(&mesh, &model).unwrap();
     let system = assemble(&Space::linear(&mesh), &model).unwrap();
     assert_eq!((system.dofs(), system.free_dofs()), (3 * 28, 3 * 18));
-    for method in [Method::Direct, Method::Cg] {
-        let solved = solve(&system, &SolverOptions { method, ..exactly() }).unwrap();
+    for method in [Method::Direct, Method::AmgCg] {
+        let solved = solve(&system, &SolverOptions { method, ..exactly() }, None).unwrap();
         assert_eq!(solved.displacement[0], DVec3::ZERO);
         assert!(solved.displacement.iter().all(|u| u.is_finite()));
     }
@@ -359,7 +360,7 @@ fn bent_bar(size: [f64; 3], cells: [usize; 3], method: Method) -> (System, Solve
     let loads = vec![Load { name: "tip".to_owned(), kind: force }];
     let materials = vec![Material { youngs_modulus: 1000.0, poissons_ratio: 0.3, density: 0.0 }];
     let system = assemble(&Space::linear(&mesh), &Model { materials, supports, loads }).unwrap();
-    let solved = solve(&system, &SolverOptions { method, ..SolverOptions::default() }).unwrap();
+    let solved = solve(&system, &SolverOptions { method, ..SolverOptions::default() }, None).unwrap();
     (system, solved)
 }
 
@@ -379,7 +380,7 @@ fn slender_bars_are_solved_to_the_limit_of_double_precision() {
     ] {
         let mut coarser = 0.0;
         for &cells in cells {
-            let energies = [Method::Direct, Method::Cg, Method::Auto].map(|method| {
+            let energies = [Method::Direct, Method::AmgCg, Method::Auto].map(|method| {
                 let (system, solved) = bent_bar(size, cells, method);
                 let SolverInfo { residual, reason, .. } = &solved.info;
                 assert_eq!(*residual > 1e-8, reason.contains("limit of double precision"), "{residual} {reason}");
@@ -402,8 +403,8 @@ fn a_free_solid_is_never_taken_for_solved() {
     let force = LoadKind::Force(mesh.group("x-max").unwrap(), DVec3::new(0.3, -0.2, 1.0));
     let loads = vec![Load { name: "push".to_owned(), kind: force }];
     let system = assemble(&Space::linear(&mesh), &Model { materials: vec![SOFT], supports: vec![], loads }).unwrap();
-    for method in [Method::Direct, Method::Cg, Method::Auto] {
-        let solved = solve(&system, &SolverOptions { method, ..SolverOptions::default() });
+    for method in [Method::Direct, Method::AmgCg, Method::Auto] {
+        let solved = solve(&system, &SolverOptions { method, ..SolverOptions::default() }, None);
         assert!(solved.is_err(), "{method:?}: {:?}", solved.map(|s| s.info));
     }
 }
@@ -413,10 +414,10 @@ fn numbers_out_of_range_are_told_from_a_singular_matrix() {
     let (mut system, _) = bent_bar([2.0, 1.0, 1.0], [4, 2, 2], Method::Direct);
     for size in [1e200, 1e-200, f64::INFINITY] {
         system.loads.iter_mut().for_each(|f| *f = DVec3::splat(size));
-        let error = solve(&system, &SolverOptions::default()).unwrap_err();
+        let error = solve(&system, &SolverOptions::default(), None).unwrap_err();
         assert!(matches!(error, FemError::OutOfRange { what: "right-hand side" }), "{size}: {error}");
     }
     system.stiffness.blocks[0].x_axis.x = f64::INFINITY;
-    let error = solve(&system, &SolverOptions::default()).unwrap_err();
+    let error = solve(&system, &SolverOptions::default(), None).unwrap_err();
     assert!(matches!(error, FemError::OutOfRange { .. }), "{error}");
 }

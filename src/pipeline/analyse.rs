@@ -42,7 +42,7 @@ pub(super) fn analyse<'m>(
         Ok::<_, fem::FemError>((space, system))
     })?;
     phase.say(format!("step {index}: solve {} equations", system.free_dofs()));
-    let solved = timed(&mut seconds.solve, || fem::solve(&system, &plan.scenario.solver))?;
+    let solved = timed(&mut seconds.solve, || fem::solve(&system, &plan.scenario.solver, None))?;
     phase.say(format!("step {index}: estimate the error"));
     let estimator = plan.scenario.adapt.estimator;
     let (solution, errors) = timed(&mut seconds.estimate, || {

@@ -261,7 +261,7 @@ mod tests {
     fn the_memory_of_a_direct_solution_grows_faster_than_the_mesh() {
         let growth = |strategy, cells, selected| cells_after(Scheme::Red, strategy, cells, selected) / cells;
         let global = growth(Strategy::Global, 50.0, 50.0);
-        assert_eq!(next_bytes(1000, global, "cg"), 8000.0);
+        assert_eq!(next_bytes(1000, global, "amg-cg"), 8000.0);
         assert!((next_bytes(1000, global, "direct") - 16_000.0).abs() < 1e-6);
     }
 

@@ -7,14 +7,13 @@ use std::ops::Range;
 const RESERVED_KEYS: [&str; 6] = ["interfaces", "target_angle", "valence_limit", "quantity_error", "goal", "engine"];
 
 /// Values that the format reserves likewise, each with what to use today.
-const RESERVED_VALUES: [(&str, &str); 8] = [
+const RESERVED_VALUES: [(&str, &str); 7] = [
     ("hex", "tet"),
     ("hex8", "tet10"),
     ("hex20", "tet10"),
     ("hex27", "tet10"),
     ("catmull-clark", "tet10"),
     ("catmull-clark+", "tet10"),
-    ("amg-cg", "cg"),
     ("fixed-trisection", "fixed"),
 ];
 

@@ -1,14 +1,17 @@
-//! Conjugate gradients with a two-level preconditioner: block Jacobi sweeps around a coarse correction.
+//! Conjugate gradients, preconditioned by multigrid.
 
-use super::coarse::Coarse;
+use super::amg::{Hierarchy, Real};
 use super::{Problem, Solved, SolverInfo, at_the_limit, not_converged, residual};
 use crate::fem::FemError;
 use crate::fem::block_matrix::{CHUNK, dot, norm};
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// Iterations before giving up for good: hundreds of times what well-shaped meshes need.
 pub(super) const MAX_ITERATIONS: usize = 20_000;
+
+/// Iterations after which the single precision of the preconditioner is doubted.
+const FEW_ITERATIONS: usize = 100;
 
 /// Restarts from the true residual, when it is larger than the one that the recurrence carries along.
 const MAX_RESTARTS: usize = 3;
@@ -17,53 +20,97 @@ const MAX_RESTARTS: usize = 3;
 const HELP: &str = "use method \"direct\"; else check the supports, nearly flat cells and Poisson's ratio near 1/2, or \
                     accept a larger tolerance";
 
-/// Weight of a block Jacobi sweep. For four-node cells `x.K x <= 4 x.D x`, since the element energy of a sum of four
-/// nodal displacements is at most four times the sum of theirs: any weight below 1/2 makes the sweep a contraction and
-/// the preconditioner positive definite.
-const DAMPING: f64 = 0.499;
-
-/// Solves from zero (Hestenes and Stiefel 1952), until the true residual is below the tolerance, in at most `limit`
-/// iterations.
+/// Solves from a guess or from zero (Hestenes and Stiefel 1952), until the true residual is below the tolerance, in at most
+/// `limit` iterations. The preconditioner is kept in single precision, and made anew in double where that fails.
 ///
 /// # Errors
-/// [`FemError::NotConverged`], [`FemError::NotPositiveDefinite`]; those of the coarse problem's factorisation.
-pub(super) fn solve(problem: &Problem, reason: String, limit: usize) -> Result<Solved, FemError> {
-    let preconditioner = Preconditioner::new(problem)?;
-    let mut displacement = problem.lifting.clone();
-    let (mut iterations, mut relative, mut remainder) = (0, 1.0, problem.rhs.clone());
-    let nonzeros = 9 * problem.system.stiffness.blocks.len();
-    let found = |displacement, reason, iterations, residual| {
-        let info = SolverInfo { method: "cg", reason, iterations, residual, nonzeros };
+/// [`FemError::NotConverged`], [`FemError::NotPositiveDefinite`]; those of the coarsest problem's factorisation.
+pub(super) fn solve(
+    problem: &Problem,
+    guess: Option<&[DVec3]>,
+    reason: String,
+    limit: usize,
+) -> Result<Solved, FemError> {
+    let (displacement, remainder) = problem.start(guess);
+    let mut state = State { displacement, remainder, iterations: 0, numbers: 0, relative: 1.0 };
+    state.relative = norm(&state.remainder) / problem.scale;
+    let found = |state: State, reason| {
+        let State { displacement, iterations, relative, numbers, .. } = state;
+        let info = SolverInfo { method: "amg-cg", reason, iterations, residual: relative, nonzeros: numbers };
         Ok(Solved { displacement, info })
     };
-    for _ in 0..=MAX_RESTARTS {
-        iterations += iterate(&preconditioner, remainder, &mut displacement, limit - iterations)?;
-        remainder = residual(problem.system, &displacement);
-        relative = norm(&remainder) / problem.scale;
-        if problem.accepts(relative) {
-            return found(displacement, reason, iterations, relative);
+    match state.advance::<f32>(problem, limit.min(FEW_ITERATIONS)) {
+        Ok(()) | Err(FemError::NotPositiveDefinite { .. }) => {}
+        Err(error) => return Err(error),
+    }
+    let mut reason = reason;
+    if !problem.accepts(state.relative) && !problem.is_rounding(state.relative, &state.displacement) {
+        reason += &format!("; preconditioner in double precision after {} iterations", state.iterations);
+        state.advance::<f64>(problem, limit)?;
+    }
+    if problem.accepts(state.relative) {
+        return found(state, reason);
+    }
+    if problem.is_rounding(state.relative, &state.displacement) {
+        let reason = at_the_limit(&reason, state.relative);
+        return found(state, reason);
+    }
+    Err(not_converged(problem, "conjugate gradients", state.iterations, state.relative, HELP))
+}
+
+/// How far the solution is.
+struct State {
+    displacement: Vec<DVec3>,
+    /// `f - K u` at the unknowns.
+    remainder: Vec<DVec3>,
+    /// Its norm, relative to that of the right-hand side.
+    relative: f64,
+    iterations: usize,
+    /// Numbers stored in the preconditioner.
+    numbers: usize,
+}
+
+impl State {
+    /// Iterates until the true residual is accepted, restarts are used up, or `limit` iterations are done in all.
+    fn advance<T: Real>(&mut self, problem: &Problem, limit: usize) -> Result<(), FemError> {
+        if problem.accepts(self.relative) {
+            return Ok(());
         }
+        let system = problem.system;
+        let mask = system.numbering.mask();
+        let mut hierarchy: Hierarchy<T> =
+            Hierarchy::new(&system.stiffness, system.linear.as_ref(), &system.points, mask)?;
+        self.numbers = hierarchy.numbers();
+        for _ in 0..=MAX_RESTARTS {
+            let rest = std::mem::take(&mut self.remainder);
+            let done = iterate(problem, &mut hierarchy, rest, &mut self.displacement, limit - self.iterations);
+            self.remainder = residual(system, &self.displacement);
+            self.relative = norm(&self.remainder) / problem.scale;
+            self.iterations += done?;
+            if problem.accepts(self.relative) || self.iterations >= limit {
+                break;
+            }
+        }
+        Ok(())
     }
-    if problem.is_rounding(relative, &displacement) {
-        return found(displacement, at_the_limit(&reason, relative), iterations, relative);
-    }
-    Err(not_converged(problem, "conjugate gradients", iterations, relative, HELP))
 }
 
 /// Adds the solution of `K d = r` to `u`, `K` and `r` restricted to the unknowns; returns the number of iterations. It
 /// ends when the residual of the recurrence is below the tolerance, or at the limit.
-fn iterate(
-    preconditioner: &Preconditioner,
+fn iterate<T: Real>(
+    problem: &Problem,
+    preconditioner: &mut Hierarchy<T>,
     mut r: Vec<DVec3>,
     u: &mut [DVec3],
     limit: usize,
 ) -> Result<usize, FemError> {
-    let problem = preconditioner.problem;
     // The recurrence drifts from the true residual by some rounding: aim a little lower.
     let goal = (0.9 * problem.tolerance * problem.scale).powi(2);
-    let mut p = preconditioner.apply(&r)?;
-    let mut kp = vec![DVec3::ZERO; p.len()];
-    let mut rho = dot(&r, &p);
+    let mut z = vec![DVec3::ZERO; r.len()];
+    let mut kp = z.clone();
+    preconditioner.apply(&r, norm(&r), &mut z)?;
+    let mut p = z.clone();
+    let mut rho = dot(&r, &z);
     for iteration in 0..limit {
         let curvature = masked_product(problem, &p, &mut kp);
         // Also refuses NaN.
@@ -74,15 +121,16 @@ fn iterate(
             let detail = format!("p.K p = {curvature:.3e}, r.M r = {rho:.3e} in iteration {iteration}");
             return Err(FemError::NotPositiveDefinite { detail });
         }
-        let squared = step(rho / curvature, &p, &kp, u, &mut r);
+        let alpha = rho / curvature;
+        let squared = step(alpha, &p, &kp, u, &mut r);
         // With a tolerance of NaN too the true residual decides.
         if squared <= goal || goal.is_nan() {
             return Ok(iteration + 1);
         }
-        let z = preconditioner.apply(&r)?;
-        let next_rho = dot(&r, &z);
-        let beta = next_rho / rho;
-        rho = next_rho;
+        preconditioner.apply(&r, squared.sqrt(), &mut z)?;
+        // Rounding makes the preconditioner a little unsymmetric, which this form of beta forgives (Notay 2000).
+        let beta = -alpha * dot(&z, &kp) / rho;
+        rho = dot(&r, &z);
         p.par_iter_mut().with_min_len(CHUNK).zip(&z).for_each(|(p, z)| *p = *z + beta * *p);
     }
     Ok(limit)
@@ -125,42 +173,4 @@ fn step(alpha: f64, p: &[DVec3], kp: &[DVec3], u: &mut [DVec3], r: &mut [DVec3])
         })
         .collect();
     partials.iter().sum()
-}
-
-/// A symmetric two-level cycle: a sweep of block Jacobi, the coarse correction, another sweep.
-struct Preconditioner<'a> {
-    problem: &'a Problem<'a>,
-    /// Damped inverses of the diagonal blocks.
-    inverses: Vec<DMat3>,
-    coarse: Coarse,
-}
-
-impl<'a> Preconditioner<'a> {
-    fn new(problem: &'a Problem) -> Result<Self, FemError> {
-        let coarse = Coarse::new(problem.system)?;
-        Ok(Self { problem, inverses: diagonal_inverses(problem), coarse })
-    }
-
-    /// An approximation of `K^-1 r`, symmetric and positive definite in the unknowns.
-    fn apply(&self, r: &[DVec3]) -> Result<Vec<DVec3>, FemError> {
-        let (stiffness, mask) = (&self.problem.system.stiffness, self.problem.system.numbering.mask());
-        let rows = || (0..r.len()).into_par_iter().with_min_len(CHUNK);
-        let mut z: Vec<DVec3> = rows().map(|i| self.inverses[i] * r[i]).collect();
-        let left: Vec<DVec3> = rows().map(|i| r[i] - mask[i] * stiffness.row_times(i, &z)).collect();
-        self.coarse.correct(mask, &left, &mut z)?;
-        Ok(rows().map(|i| z[i] + self.inverses[i] * (r[i] - stiffness.row_times(i, &z))).collect())
-    }
-}
-
-/// The damped inverse of each node's diagonal block; rows and columns of prescribed components are zero.
-fn diagonal_inverses(problem: &Problem) -> Vec<DMat3> {
-    let mask = problem.system.numbering.mask();
-    let inverse = |i: usize| {
-        let project = DMat3::from_diagonal(mask[i]);
-        let fixed = DMat3::from_diagonal(DVec3::ONE - mask[i]);
-        // Unit entries stand in for the prescribed components, so that the block can be inverted.
-        let block = project * problem.system.stiffness.diagonal(i) * project + fixed;
-        project * block.inverse() * project * DAMPING
-    };
-    (0..mask.len()).into_par_iter().with_min_len(CHUNK).map(inverse).collect()
 }

@@ -1,8 +1,8 @@
 //! Solving `K u = f` under prescribed displacements.
 
+mod amg;
 mod cg;
 mod cholesky;
-mod coarse;
 mod direct;
 mod ordering;
 
@@ -30,7 +30,7 @@ const LARGEST_ROUNDING: f64 = 1e-5;
 /// How a system was solved.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolverInfo {
-    /// "direct", "cg", or "none" where nothing was to be solved.
+    /// "direct", "amg-cg", or "none" where nothing was to be solved.
     pub method: &'static str,
     /// Why this method, and whether its residual is at the limit of double precision instead of the tolerance.
     pub reason: String,
@@ -51,31 +51,32 @@ pub struct Solved {
     pub info: SolverInfo,
 }
 
-/// Solves for the displacements. The same bytes result on any number of threads.
+/// Solves for the displacements, from a first guess of them at the nodes if there is one. The same bytes result on any number
+/// of threads.
 ///
 /// # Errors
 /// [`FemError`] if numbers leave the range of double precision, the matrix is not positive definite, memory does not
 /// suffice, or the true residual stays above the tolerance and above what rounding explains: there is never a result above
 /// both. On slender bodies `|K||u|` exceeds `|b|` by far, and with it the residual of the best solution that can be
 /// represented; [`SolverInfo::reason`] says where that was accepted.
-pub fn solve(system: &System, options: &SolverOptions) -> Result<Solved, FemError> {
+pub fn solve(system: &System, options: &SolverOptions, start: Option<&[DVec3]>) -> Result<Solved, FemError> {
     let problem = Problem::new(system, options.tolerance)?;
     if problem.scale == 0.0 {
         return Ok(problem.nothing_to_solve());
     }
     match options.method {
-        Method::Cg => cg::solve(&problem, "asked for".to_owned(), cg::MAX_ITERATIONS),
+        Method::AmgCg => cg::solve(&problem, start, "asked for".to_owned(), cg::MAX_ITERATIONS),
         Method::Direct => direct::solve(&problem, direct::analyse(system)?, "asked for".to_owned()),
-        Method::Auto => solve_auto(&problem, options.direct_memory_limit),
+        Method::Auto => solve_auto(&problem, start, options.direct_memory_limit),
     }
 }
 
 /// Direct for small systems; else conjugate gradients, and direct if they converge slowly and memory suffices.
-fn solve_auto(problem: &Problem, limit: u64) -> Result<Solved, FemError> {
+fn solve_auto(problem: &Problem, start: Option<&[DVec3]>, limit: u64) -> Result<Solved, FemError> {
     let unknowns = problem.system.free_dofs();
     let mut reason = format!("{unknowns} unknowns");
     if unknowns > SMALL {
-        match cg::solve(problem, format!("{reason}, more than {SMALL}"), FEW_ITERATIONS) {
+        match cg::solve(problem, start, format!("{reason}, more than {SMALL}"), FEW_ITERATIONS) {
             Err(FemError::NotConverged { iterations, residual, .. }) => {
                 reason += &format!(", conjugate gradients at residual {residual:.1e} after {iterations} iterations");
             }
@@ -91,7 +92,7 @@ fn solve_auto(problem: &Problem, limit: u64) -> Result<Solved, FemError> {
         direct::solve(problem, analysis, reason)
     } else {
         drop(analysis);
-        cg::solve(problem, reason, cg::MAX_ITERATIONS)
+        cg::solve(problem, start, reason, cg::MAX_ITERATIONS)
     }
 }
 
@@ -122,6 +123,19 @@ impl<'a> Problem<'a> {
             return out_of_range("right-hand side");
         }
         Ok(Self { system, scale, lifting, rhs, tolerance })
+    }
+
+    /// Displacement and residual to begin with: those of the guess, unless it is worse than none.
+    fn start(&self, guess: Option<&[DVec3]>) -> (Vec<DVec3>, Vec<DVec3>) {
+        if let Some(guess) = guess.filter(|guess| guess.len() == self.lifting.len()) {
+            let mask = self.system.numbering.mask();
+            let u: Vec<DVec3> = (0..guess.len()).map(|i| self.lifting[i] + mask[i] * guess[i]).collect();
+            let remainder = residual(self.system, &u);
+            if norm(&remainder) < self.scale {
+                return (u, remainder);
+            }
+        }
+        (self.lifting.clone(), self.rhs.clone())
     }
 
     fn nothing_to_solve(self) -> Solved {

@@ -1,0 +1,223 @@
+//! Motions of aggregates as displacements of a level's nodes, smoothed.
+
+use super::aggregate::Aggregates;
+use super::frame::Rigid;
+use super::operator::Operator;
+use super::order::NONE;
+use super::real::Real;
+use super::rows::{Rows, add_scaled, lanes, wide};
+use rayon::prelude::*;
+
+/// Lanes of a coarse vector's node: six unknowns, padded with zeros.
+pub(super) const WIDE: usize = 8;
+
+/// A matrix from coarse to fine vectors, kept as rows of `N` x 6 blocks, each by its rows.
+pub(super) struct Transfer<T, const N: usize> {
+    chunk: usize,
+    pub rows: Vec<Rows<T>>,
+    /// Where the uses of each coarse node begin.
+    starts: Vec<u32>,
+    /// Fine node and block of each use, fine nodes ascending.
+    uses: Vec<[u32; 2]>,
+}
+
+impl<T: Real, const N: usize> Transfer<T, N> {
+    /// `(I - omega D^-1 A) T` for the motions `T` of the nodes with their aggregates (Vanek, Mandel and Brezina 1996). It
+    /// spends less energy on a motion of one aggregate than `T`, and as little on a motion common to all.
+    pub fn smoothed<const W: usize>(
+        a: &Operator<T, N, W>,
+        aggregates: &Aggregates,
+        motions: &[Rigid<N>],
+        omega: f64,
+    ) -> Self {
+        let padded = |rigid: &Rigid<N>| {
+            rigid.map(|row| std::array::from_fn(|c| row.get(c).map_or(T::default(), |x| T::new(*x))))
+        };
+        let motions: Vec<[[T; WIDE]; N]> = motions.par_iter().map(padded).collect();
+        let omega = T::new(omega);
+        let chunk = |c: usize| {
+            let nodes = a.order.nodes(c);
+            let mut rows = Rows::with_capacity(nodes.len(), 4 * nodes.len(), 6 * N, WIDE - 6);
+            let mut near: Vec<(u32, [[T; WIDE]; N])> = Vec::new();
+            for i in nodes {
+                near.clear();
+                if aggregates.of[i] != NONE {
+                    slot(&mut near, aggregates.of[i]);
+                }
+                let own = &a.diagonal[i];
+                add_product(&mut near, aggregates.of[i], |r, c| own[c][r], &motions[i]);
+                for (columns, values) in a.row(i) {
+                    for (block, &j) in values.chunks_exact(N * N).zip(columns) {
+                        add_product(
+                            &mut near,
+                            aggregates.of[j as usize],
+                            |r, c| block[c * N + r],
+                            &motions[j as usize],
+                        );
+                    }
+                }
+                near.sort_unstable_by_key(|(of, _)| *of);
+                for (of, sum) in &near {
+                    let kept = if *of == aggregates.of[i] { motions[i] } else { [[T::default(); WIDE]; N] };
+                    rows.push(*of, &smooth(a, i, omega, &kept, sum), 6);
+                }
+                rows.end_row();
+            }
+            rows.finish()
+        };
+        let rows: Vec<Rows<T>> = (0..a.order.chunks()).into_par_iter().map(chunk).collect();
+        let mut this = Self { chunk: a.order.chunk, rows, starts: Vec::new(), uses: Vec::new() };
+        this.find_uses(aggregates.count);
+        this
+    }
+
+    /// Lists the uses of each coarse node.
+    fn find_uses(&mut self, coarse: usize) {
+        let mut starts = vec![0_u32; coarse + 1];
+        self.rows.iter().flat_map(|r| &r.columns).for_each(|&j| starts[j as usize + 1] += 1);
+        for j in 0..coarse {
+            starts[j + 1] += starts[j];
+        }
+        let mut next = starts.clone();
+        self.uses = vec![[0; 2]; starts[coarse] as usize];
+        for (c, rows) in self.rows.iter().enumerate() {
+            for k in 0..rows.rows() {
+                let (columns, _, first) = rows.row(k);
+                for (b, &j) in columns.iter().enumerate() {
+                    self.uses[next[j as usize] as usize] = [(c * self.chunk + k) as u32, (first + b) as u32];
+                    next[j as usize] += 1;
+                }
+            }
+        }
+        self.starts = starts;
+    }
+
+    /// Renumbers the coarse nodes.
+    pub fn renumber(&mut self, place: &[u32]) {
+        let renumber = |rows: &mut Rows<T>| rows.columns.iter_mut().for_each(|j| *j = place[*j as usize]);
+        self.rows.par_iter_mut().for_each(renumber);
+        self.find_uses(place.len());
+    }
+
+    /// Coarse nodes.
+    pub fn coarse(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// Columns and blocks of a fine node's row.
+    #[inline(always)]
+    pub fn row(&self, i: usize) -> (&[u32], &[T]) {
+        let (columns, values, _) = self.rows[i / self.chunk].row(i % self.chunk);
+        (columns, values)
+    }
+
+    /// Fine nodes that use coarse node `j`, with their blocks by rows.
+    #[inline(always)]
+    pub fn uses(&self, j: usize) -> impl Iterator<Item = (usize, &[T])> {
+        let uses = &self.uses[self.starts[j] as usize..self.starts[j + 1] as usize];
+        uses.iter().map(|&[i, b]| (i as usize, self.rows[i as usize / self.chunk].block(b as usize)))
+    }
+
+    /// `coarse = P^T fine`.
+    pub fn restrict<const W: usize>(&self, fine: &[[T; W]], coarse: &mut [[T; WIDE]]) {
+        coarse.par_iter_mut().with_min_len(32).enumerate().for_each(|(j, coarse)| {
+            wide(
+                #[inline(always)]
+                || {
+                    let mut sum = [T::default(); WIDE];
+                    for (i, block) in self.uses(j) {
+                        for r in 0..N {
+                            add_scaled(&mut sum, fine[i][r], &lanes(block, 6 * r));
+                        }
+                    }
+                    *coarse = sum;
+                },
+            );
+        });
+    }
+
+    /// `fine += P coarse`.
+    pub fn prolong<const W: usize>(&self, coarse: &[[T; WIDE]], fine: &mut [[T; W]]) {
+        fine.par_chunks_mut(self.chunk).zip(&self.rows).for_each(|(fine, rows)| {
+            wide(
+                #[inline(always)]
+                || {
+                    for (k, fine) in fine.iter_mut().enumerate() {
+                        let (columns, values, _) = rows.row(k);
+                        for (x, sum) in fine.iter_mut().zip(row_times::<T, N>(columns, values, coarse)) {
+                            *x += sum;
+                        }
+                    }
+                },
+            );
+        });
+    }
+}
+
+/// A row of blocks, each by its rows, times a vector.
+#[inline(always)]
+fn row_times<T: Real, const N: usize>(columns: &[u32], values: &[T], x: &[[T; WIDE]]) -> [T; N] {
+    let mut sums = [[T::default(); WIDE]; N];
+    for (b, &j) in columns.iter().enumerate() {
+        let block = &values[b * 6 * N..b * 6 * N + (6 * N + WIDE - 6)];
+        let x = &x[j as usize];
+        for (r, sum) in sums.iter_mut().enumerate() {
+            let row: [T; WIDE] = lanes(block, 6 * r);
+            for l in 0..WIDE {
+                sum[l] += row[l] * x[l];
+            }
+        }
+    }
+    sums.map(|s| ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7])))
+}
+
+/// The place of an aggregate in the list, made if it is not there.
+fn slot<T: Real, const N: usize>(near: &mut Vec<(u32, [[T; WIDE]; N])>, of: u32) -> &mut [[T; WIDE]; N] {
+    let k = near.iter().position(|(a, _)| *a == of).unwrap_or_else(|| {
+        near.push((of, [[T::default(); WIDE]; N]));
+        near.len() - 1
+    });
+    &mut near[k].1
+}
+
+/// Adds a block of the matrix times the motions of a node to its aggregate's sum.
+#[inline(always)]
+fn add_product<T: Real, const N: usize>(
+    near: &mut Vec<(u32, [[T; WIDE]; N])>,
+    of: u32,
+    block: impl Fn(usize, usize) -> T,
+    motions: &[[T; WIDE]; N],
+) {
+    if of == NONE {
+        return;
+    }
+    let sum = slot(near, of);
+    for r in 0..N {
+        for c in 0..N {
+            add_scaled(&mut sum[r], block(r, c), &motions[c]);
+        }
+    }
+}
+
+/// `kept - omega D^-1 sum`, by rows; what is negligible is left out.
+fn smooth<T: Real, const N: usize, const W: usize>(
+    a: &Operator<T, N, W>,
+    i: usize,
+    omega: T,
+    kept: &[[T; WIDE]; N],
+    sum: &[[T; WIDE]; N],
+) -> [[T; WIDE]; N] {
+    let mut out = *kept;
+    for c in 0..6 {
+        let mut column = [T::default(); W];
+        for r in 0..N {
+            column[r] = sum[r][c];
+        }
+        let step = a.relax(i, &column);
+        for r in 0..N {
+            out[r][c] -= omega * step[r];
+            out[r][c] = T::new(out[r][c].get());
+        }
+    }
+    out
+}
