@@ -6,7 +6,7 @@ use divan::Bencher;
 use divan::counter::ItemsCount;
 use glam::DVec3;
 use subsolid::adapt::{self, options::Estimator};
-use subsolid::fem::options::{Method, SolverOptions};
+use subsolid::fem::options::{Element, Method, SolverOptions};
 use subsolid::fem::{self, Load, LoadKind, Material, Model, Support};
 use subsolid::mesh::{TetMesh, features, generate};
 use subsolid::subdiv::options::{Boundary, Mode, Objective, Optimise, Options, Scheme};
@@ -74,21 +74,30 @@ fn optimise_for_error(bencher: Bencher) {
     bencher.counter(count).bench(|| subdiv::optimise_error(&mesh, &weights, optimise.passes, first).unwrap());
 }
 
-#[divan::bench]
-fn assemble(bencher: Bencher) {
-    let mesh = cube(16);
+#[divan::bench(args = [(Element::Tet4, 16), (Element::Tet4, 32), (Element::Tet10, 16)])]
+fn assemble(bencher: Bencher, (element, bricks): (Element, usize)) {
+    let mesh = cube(bricks);
     let model = model(&mesh);
-    bencher
-        .counter(ItemsCount::new(mesh.tets().len()))
-        .bench(|| fem::assemble(&fem::Space::linear(&mesh), &model).unwrap());
+    let space = fem::Space::new(&mesh, element, &[]);
+    bencher.counter(ItemsCount::new(mesh.tets().len())).bench(|| fem::assemble(&space, &model).unwrap());
 }
 
-#[divan::bench(args = [Method::Direct, Method::AmgCg])]
-fn solve(bencher: Bencher, method: Method) {
-    let mesh = cube(16);
-    let system = fem::assemble(&fem::Space::linear(&mesh), &model(&mesh)).unwrap();
+/// Setup and solution to a residual of 1e-8; the rate counts cells.
+fn solve(bencher: Bencher, method: Method, element: Element, bricks: usize) {
+    let mesh = cube(bricks);
+    let system = fem::assemble(&fem::Space::new(&mesh, element, &[]), &model(&mesh)).unwrap();
     let options = SolverOptions { method, ..SolverOptions::default() };
     bencher.counter(ItemsCount::new(mesh.tets().len())).bench(|| fem::solve(&system, &options, None).unwrap());
+}
+
+#[divan::bench(args = [(Element::Tet4, 16), (Element::Tet4, 32), (Element::Tet10, 16)], sample_count = 20)]
+fn solve_by_multigrid(bencher: Bencher, (element, bricks): (Element, usize)) {
+    solve(bencher, Method::AmgCg, element, bricks);
+}
+
+#[divan::bench(sample_count = 20)]
+fn solve_directly(bencher: Bencher) {
+    solve(bencher, Method::Direct, Element::Tet4, 16);
 }
 
 #[divan::bench(args = [Estimator::Spr, Estimator::Averaging])]

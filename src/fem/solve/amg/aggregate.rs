@@ -67,8 +67,7 @@ impl Aggregates {
         for &i in &a.order.curve {
             let near = strong.row(i as usize);
             if of[i as usize] == NONE && !near.is_empty() && near.iter().all(|&j| of[j as usize] == NONE) {
-                of[i as usize] = count;
-                near.iter().for_each(|&j| of[j as usize] = count);
+                claim(&mut of, count, i, &strong);
                 count += 1;
             }
         }
@@ -121,6 +120,22 @@ impl Aggregates {
             }
         }
         self.of.iter_mut().filter(|of| **of != NONE).for_each(|of| *of = number[*of as usize]);
+    }
+}
+
+/// Makes an aggregate of a node and its strong neighbours, and of theirs where these are few, as on flat cells.
+fn claim(of: &mut [u32], aggregate: u32, node: u32, strong: &Strong) {
+    let mut members = vec![node];
+    of[node as usize] = aggregate;
+    let mut next = 0;
+    while next < members.len() && (next == 0 || members.len() < SMALLEST) {
+        for &j in strong.row(members[next] as usize) {
+            if of[j as usize] == NONE {
+                of[j as usize] = aggregate;
+                members.push(j);
+            }
+        }
+        next += 1;
     }
 }
 

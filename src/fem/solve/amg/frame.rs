@@ -121,7 +121,8 @@ impl<const N: usize> Frame<N> {
 fn well_conditioned(mut gram: Matrix6<f64>) -> bool {
     let own = gram.diagonal();
     for k in 0..6 {
-        if !(gram[(k, k)] > DOUBTFUL * own[k]) {
+        let sound = gram[(k, k)] > DOUBTFUL * own[k];
+        if !sound {
             return false;
         }
         for i in k + 1..6 {

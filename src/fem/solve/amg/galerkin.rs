@@ -4,16 +4,9 @@ use super::frame::Projector;
 use super::operator::{Entries, Operator, Padded};
 use super::order::NONE;
 use super::real::Real;
-use super::rows::{add_scaled, lanes, wide};
+use super::rows::{Rows, add_scaled, lanes, wide};
 use super::transfer::{Transfer, WIDE};
 use rayon::prelude::*;
-
-/// Rows of blocks, each by its rows, of a chunk of nodes.
-struct Product<T, const N: usize> {
-    starts: Vec<u32>,
-    columns: Vec<u32>,
-    blocks: Vec<[[T; WIDE]; N]>,
-}
 
 /// The upper triangle of a coarse matrix, the blocks of each row by their rows, columns ascending.
 pub(super) struct Coarse<T> {
@@ -54,9 +47,11 @@ impl<T: Real, const N: usize> Sums<T, N> {
 }
 
 /// `A P`, chunk by chunk.
-fn product<T: Real, const N: usize, const W: usize>(a: &Operator<T, N, W>, p: &Transfer<T, N>) -> Vec<Product<T, N>> {
+fn product<T: Real, const N: usize, const W: usize>(a: &Operator<T, N, W>, p: &Transfer<T, N>) -> Vec<Rows<T>> {
     let chunk = |sums: &mut Sums<T, N>, c: usize| {
-        let mut product = Product { starts: vec![0], columns: Vec::new(), blocks: Vec::new() };
+        // Nodes reach about twice as many aggregates through the matrix as by themselves.
+        let count = a.order.nodes(c).len();
+        let mut product = Rows::with_capacity(count, 8 * count, 6 * N, WIDE - 6);
         for i in a.order.nodes(c) {
             wide(
                 #[inline(always)]
@@ -70,12 +65,13 @@ fn product<T: Real, const N: usize, const W: usize>(a: &Operator<T, N, W>, p: &T
                     }
                 },
             );
-            product.columns.extend_from_slice(&sums.columns);
-            product.blocks.extend_from_slice(&sums.blocks);
-            product.starts.push(product.columns.len() as u32);
+            for (column, block) in sums.columns.iter().zip(&sums.blocks) {
+                product.push(*column, block, 6);
+            }
+            product.end_row();
             sums.clear();
         }
-        product
+        product.finish()
     };
     (0..a.order.chunks()).into_par_iter().map_init(|| Sums::new(p.coarse()), chunk).collect()
 }
@@ -90,10 +86,9 @@ fn add_row<T: Real, const N: usize>(
     for (b, &j) in columns.iter().enumerate() {
         let part = &values[b * 6 * N..b * 6 * N + (6 * N + WIDE - 6)];
         let rows: [[T; WIDE]; N] = std::array::from_fn(|c| lanes(part, 6 * c));
-        let sum = sums.at(j);
-        for r in 0..N {
-            for c in 0..N {
-                add_scaled(&mut sum[r], block(r, c), &rows[c]);
+        for (r, sum) in sums.at(j).iter_mut().enumerate() {
+            for (c, row) in rows.iter().enumerate() {
+                add_scaled(sum, block(r, c), row);
             }
         }
     }
@@ -114,11 +109,11 @@ impl<T: Real> Coarse<T> {
                 || {
                     for (i, block) in p.uses(j) {
                         let rows: [[T; WIDE]; N] = std::array::from_fn(|r| lanes(block, 6 * r));
-                        let part = &product[i / chunk];
-                        let range = part.starts[i % chunk] as usize..part.starts[i % chunk + 1] as usize;
-                        for (&column, block) in part.columns[range.clone()].iter().zip(&part.blocks[range]) {
+                        let (columns, values, _) = product[i / chunk].row(i % chunk);
+                        for (&column, block) in columns.iter().zip(values.windows(6 * N + WIDE - 6).step_by(6 * N)) {
                             if column as usize >= j {
-                                add_transposed(sums.at(column), &rows, block);
+                                let block: [[T; WIDE]; N] = std::array::from_fn(|r| lanes(block, 6 * r));
+                                add_transposed(sums.at(column), &rows, &block);
                             }
                         }
                     }

@@ -8,7 +8,7 @@ use super::level::{Bottom, Midpoints};
 use super::operator::Operator;
 use super::order::Order;
 use super::real::Real;
-use super::smoother::{Kind, Smoother};
+use super::smoother::{Kind, Smoother, is_tight};
 use super::spectrum::largest_eigenvalue;
 use super::transfer::{Transfer, WIDE};
 use crate::fem::FemError;
@@ -20,8 +20,9 @@ use rayon::prelude::*;
 /// Nodes a chunk on coarse levels.
 const CHUNK: usize = 64;
 
-/// Strength of a coupling that makes nodes of one aggregate, relative to the diagonal.
-const STRONG: f64 = 0.06;
+/// Strength of a coupling that makes nodes of one aggregate, relative to the diagonal: where sweeps smooth well, and where
+/// more and smaller aggregates pay.
+const STRONG: [f64; 2] = [0.08, 0.1];
 
 /// Nodes that a level is solved directly for: on levels so small, aggregates are too few to represent soft motions.
 const FEW: usize = 200;
@@ -49,6 +50,9 @@ struct Top<T> {
     /// 1 where a component is unknown, 0 elsewhere: of this level's nodes, and of the vertices.
     free: [Vec<[T; 4]>; 2],
 }
+
+/// What the level of the midpoints is made of: its matrix, the way to the vertices, where components are unknown.
+type Above<T> = (Operator<T, 3, 4>, Midpoints, [Vec<[T; 4]>; 2]);
 
 /// A level, and the way to the next one unless it is the last.
 struct Stage<T, const N: usize, const W: usize> {
@@ -85,22 +89,21 @@ impl<T: Real> Hierarchy<T> {
         Self::below(vertices, Some((top.a, way, free)))
     }
 
-    fn below(
-        vertices: Finest<T>,
-        midpoints: Option<(Operator<T, 3, 4>, Midpoints, [Vec<[T; 4]>; 2])>,
-    ) -> Result<Self, FemError> {
+    fn below(vertices: Finest<T>, midpoints: Option<Above<T>>) -> Result<Self, FemError> {
         let Finest { a, frame } = vertices;
         let top = midpoints.as_ref().map_or(&a.order, |(top, ..)| &top.order);
         let order = FinestOrder { natural: top.natural.clone(), place: top.place.clone() };
         let largest = largest_eigenvalue(&a);
-        let kind = Kind::for_eigenvalue(largest);
-        let (way, mut next) = descend(&a, &frame, largest)?;
+        let strong = STRONG[usize::from(is_tight(largest))];
+        let (way, mut next) = descend(&a, &frame, largest, strong)?;
+        let size = way.as_ref().map_or(f64::INFINITY, |way| a.len() as f64 / way.coarse() as f64);
+        let kind = Kind::choose(largest, size);
         let mut bottom = if way.is_none() { Some(Bottom::new(&a)?) } else { None };
         let vertices = Stage { smoother: Smoother::new(a, kind, largest), way };
         let mut coarser = Vec::new();
         while let Some((a, frame)) = next {
             let largest = largest_eigenvalue(&a);
-            let (way, further) = descend(&a, &frame, largest)?;
+            let (way, further) = descend(&a, &frame, largest, strong)?;
             if way.is_none() {
                 bottom = Some(Bottom::new(&a)?);
             }
@@ -190,16 +193,17 @@ fn cycle<T: Real>(stages: &mut [Stage<T, 6, WIDE>], bottom: &Bottom) -> Result<(
 /// The way to a coarser level and its matrix, unless this one is small, or its nodes hardly make aggregates.
 type Way<T, const N: usize> = (Option<Transfer<T, N>>, Option<(Operator<T, 6, WIDE>, Frame<6>)>);
 
-/// The next level below; `largest` is the largest eigenvalue of `D^-1 A`.
+/// The next level below; `largest` is the largest eigenvalue of `D^-1 A`, `strong` the strength of couplings that count.
 fn descend<T: Real, const N: usize, const W: usize>(
     a: &Operator<T, N, W>,
     frame: &Frame<N>,
     largest: f64,
+    strong: f64,
 ) -> Result<Way<T, N>, FemError> {
     if a.len() <= FEW {
         return Ok((None, None));
     }
-    let aggregates = Aggregates::new(a, STRONG);
+    let aggregates = Aggregates::new(a, strong);
     if aggregates.count == 0 || 5 * aggregates.count > 4 * a.len() {
         return Ok((None, None));
     }

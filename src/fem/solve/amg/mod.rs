@@ -17,6 +17,8 @@ mod real;
 mod rows;
 mod smoother;
 mod spectrum;
+#[cfg(test)]
+mod tests;
 mod transfer;
 
 pub(super) use hierarchy::Hierarchy;

@@ -271,7 +271,8 @@ pub(super) fn inverse<T: Real, const N: usize, const W: usize>(block: &Padded<T,
             let sum: f64 = (0..j).map(|k| factor[i][k] * factor[j][k]).sum();
             let rest = block[j][i].get() - sum;
             if i == j {
-                if !(rest > f64::EPSILON * block[i][i].get()) {
+                let sound = rest > f64::EPSILON * block[i][i].get();
+                if !sound {
                     return None;
                 }
                 factor[i][i] = rest.sqrt();

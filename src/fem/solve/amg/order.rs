@@ -41,7 +41,7 @@ impl Order {
         }
         let near: Vec<Vec<u32>> =
             along.par_chunks(chunk).map(|nodes| adjacent(nodes, &chunk_of, &neighbours)).collect();
-        let colour = colour(&near, along.len() % chunk != 0);
+        let colour = colour(&near, !along.len().is_multiple_of(chunk));
         let mut by_colour: Vec<usize> = (0..near.len()).collect();
         by_colour.sort_by_key(|&c| colour[c]);
         let chunk_nodes = |c: usize| &along[c * chunk..along.len().min((c + 1) * chunk)];

@@ -31,6 +31,12 @@ impl<T: Real> Rows<T> {
         }
     }
 
+    /// Appends a copy of a block.
+    pub fn copy(&mut self, column: u32, block: &[T]) {
+        self.columns.push(column);
+        self.values.extend_from_slice(&block[..self.size]);
+    }
+
     /// Ends the last row.
     pub fn end_row(&mut self) {
         self.starts.push(self.columns.len() as u32);

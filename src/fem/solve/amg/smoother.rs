@@ -11,6 +11,10 @@ use rayon::prelude::*;
 /// alternate, and on flattened cells.
 const TIGHT: f64 = 2.35;
 
+/// Mean size of aggregates below which strong couplings run in some directions only, as on flattened cells: about 18 in
+/// well-shaped ones.
+const FLAT: f64 = 11.0;
+
 /// Degree of the polynomial for tight couplings.
 const DEGREE: usize = 5;
 
@@ -27,10 +31,15 @@ pub(super) enum Kind {
     Chebyshev,
 }
 
+/// Whether nodes are coupled tightly, given the largest eigenvalue of `D^-1 A`.
+pub(super) fn is_tight(largest: f64) -> bool {
+    largest > TIGHT
+}
+
 impl Kind {
-    /// The choice for a matrix whose `D^-1 A` has this largest eigenvalue.
-    pub fn for_eigenvalue(largest: f64) -> Self {
-        if largest > TIGHT { Self::Chebyshev } else { Self::Sweeps }
+    /// The choice for a matrix whose `D^-1 A` has this largest eigenvalue, and whose aggregates have this mean size.
+    pub fn choose(largest: f64, size: f64) -> Self {
+        if is_tight(largest) || size < FLAT { Self::Chebyshev } else { Self::Sweeps }
     }
 }
 

@@ -5,7 +5,7 @@ use super::frame::Rigid;
 use super::operator::Operator;
 use super::order::NONE;
 use super::real::Real;
-use super::rows::{Rows, add_scaled, lanes, wide};
+use super::rows::{Rows, add_scaled, lanes, total, wide};
 use rayon::prelude::*;
 
 /// Lanes of a coarse vector's node: six unknowns, padded with zeros.
@@ -15,11 +15,14 @@ pub(super) const WIDE: usize = 8;
 pub(super) struct Transfer<T, const N: usize> {
     chunk: usize,
     pub rows: Vec<Rows<T>>,
-    /// Where the uses of each coarse node begin.
-    starts: Vec<u32>,
-    /// Fine node and block of each use, fine nodes ascending.
-    uses: Vec<[u32; 2]>,
+    /// The blocks of each coarse node once more, with their fine nodes, ascending: to look them up takes longer than to read
+    /// them.
+    uses: Vec<Rows<T>>,
+    coarse: usize,
 }
+
+/// Coarse nodes a chunk.
+const CHUNK: usize = 64;
 
 impl<T: Real, const N: usize> Transfer<T, N> {
     /// `(I - omega D^-1 A) T` for the motions `T` of the nodes with their aggregates (Vanek, Mandel and Brezina 1996). It
@@ -66,42 +69,55 @@ impl<T: Real, const N: usize> Transfer<T, N> {
             rows.finish()
         };
         let rows: Vec<Rows<T>> = (0..a.order.chunks()).into_par_iter().map(chunk).collect();
-        let mut this = Self { chunk: a.order.chunk, rows, starts: Vec::new(), uses: Vec::new() };
-        this.find_uses(aggregates.count);
+        let mut this = Self { chunk: a.order.chunk, rows, uses: Vec::new(), coarse: aggregates.count };
+        this.find_uses();
         this
     }
 
     /// Lists the uses of each coarse node.
-    fn find_uses(&mut self, coarse: usize) {
-        let mut starts = vec![0_u32; coarse + 1];
+    fn find_uses(&mut self) {
+        let mut starts = vec![0_u32; self.coarse + 1];
         self.rows.iter().flat_map(|r| &r.columns).for_each(|&j| starts[j as usize + 1] += 1);
-        for j in 0..coarse {
+        for j in 0..self.coarse {
             starts[j + 1] += starts[j];
         }
         let mut next = starts.clone();
-        self.uses = vec![[0; 2]; starts[coarse] as usize];
+        let mut uses = vec![[0_u32; 2]; starts[self.coarse] as usize];
         for (c, rows) in self.rows.iter().enumerate() {
             for k in 0..rows.rows() {
                 let (columns, _, first) = rows.row(k);
                 for (b, &j) in columns.iter().enumerate() {
-                    self.uses[next[j as usize] as usize] = [(c * self.chunk + k) as u32, (first + b) as u32];
+                    uses[next[j as usize] as usize] = [(c * self.chunk + k) as u32, (first + b) as u32];
                     next[j as usize] += 1;
                 }
             }
         }
-        self.starts = starts;
+        let copy = |c: usize| {
+            let (first, last) = (c * CHUNK, self.coarse.min((c + 1) * CHUNK));
+            let count = (starts[last] - starts[first]) as usize;
+            let mut copies = Rows::with_capacity(last - first, count, 6 * N, WIDE - 6);
+            for j in first..last {
+                for &[i, b] in &uses[starts[j] as usize..starts[j + 1] as usize] {
+                    copies.copy(i, self.rows[i as usize / self.chunk].block(b as usize));
+                }
+                copies.end_row();
+            }
+            copies.finish()
+        };
+        self.uses = (0..self.coarse.div_ceil(CHUNK)).into_par_iter().map(copy).collect();
     }
 
     /// Renumbers the coarse nodes.
     pub fn renumber(&mut self, place: &[u32]) {
         let renumber = |rows: &mut Rows<T>| rows.columns.iter_mut().for_each(|j| *j = place[*j as usize]);
         self.rows.par_iter_mut().for_each(renumber);
-        self.find_uses(place.len());
+        self.uses = Vec::new();
+        self.find_uses();
     }
 
     /// Coarse nodes.
     pub fn coarse(&self) -> usize {
-        self.starts.len() - 1
+        self.coarse
     }
 
     /// Columns and blocks of a fine node's row.
@@ -114,23 +130,27 @@ impl<T: Real, const N: usize> Transfer<T, N> {
     /// Fine nodes that use coarse node `j`, with their blocks by rows.
     #[inline(always)]
     pub fn uses(&self, j: usize) -> impl Iterator<Item = (usize, &[T])> {
-        let uses = &self.uses[self.starts[j] as usize..self.starts[j + 1] as usize];
-        uses.iter().map(|&[i, b]| (i as usize, self.rows[i as usize / self.chunk].block(b as usize)))
+        let (nodes, values, _) = self.uses[j / CHUNK].row(j % CHUNK);
+        nodes.iter().zip(values.windows(6 * N + WIDE - 6).step_by(6 * N)).map(|(&i, block)| (i as usize, block))
     }
 
     /// `coarse = P^T fine`.
     pub fn restrict<const W: usize>(&self, fine: &[[T; W]], coarse: &mut [[T; WIDE]]) {
-        coarse.par_iter_mut().with_min_len(32).enumerate().for_each(|(j, coarse)| {
+        coarse.par_chunks_mut(CHUNK).zip(&self.uses).for_each(|(coarse, uses)| {
             wide(
                 #[inline(always)]
                 || {
-                    let mut sum = [T::default(); WIDE];
-                    for (i, block) in self.uses(j) {
-                        for r in 0..N {
-                            add_scaled(&mut sum, fine[i][r], &lanes(block, 6 * r));
+                    for (k, coarse) in coarse.iter_mut().enumerate() {
+                        let (nodes, values, _) = uses.row(k);
+                        let mut sums = [[T::default(); WIDE]; N];
+                        for (b, &i) in nodes.iter().enumerate() {
+                            let block = &values[b * 6 * N..b * 6 * N + (6 * N + WIDE - 6)];
+                            for (r, sum) in sums.iter_mut().enumerate() {
+                                add_scaled(sum, fine[i as usize][r], &lanes(block, 6 * r));
+                            }
                         }
+                        *coarse = total(&sums);
                     }
-                    *coarse = sum;
                 },
             );
         });
@@ -191,10 +211,9 @@ fn add_product<T: Real, const N: usize>(
     if of == NONE {
         return;
     }
-    let sum = slot(near, of);
-    for r in 0..N {
-        for c in 0..N {
-            add_scaled(&mut sum[r], block(r, c), &motions[c]);
+    for (r, sum) in slot(near, of).iter_mut().enumerate() {
+        for (c, motion) in motions.iter().enumerate() {
+            add_scaled(sum, block(r, c), motion);
         }
     }
 }
