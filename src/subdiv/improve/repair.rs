@@ -16,8 +16,8 @@ const EDGES: usize = 6;
 
 /// A run gives up repairing after this many failures, plus a few for each success: almost all repairs succeed on sound
 /// meshes, and each failure is dear where needles or flat regions leave nothing to gain.
-const PATIENCE: usize = 12;
-const FAILURES_A_SUCCESS: usize = 1;
+const PATIENCE: usize = 24;
+const FAILURES_A_SUCCESS: usize = 2;
 
 /// Cells touched from which a repair spreads no further.
 const WIDE: usize = 400;
