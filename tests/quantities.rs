@@ -323,3 +323,65 @@ fn the_bundled_fichera_corner_meets_its_expectations() {
     // Discrete energies under given forces are lower bounds.
     assert!(energy["deviation"].as_f64().unwrap() < 0.0);
 }
+
+/// Two bars side by side, one a thousand times stiffer, stretched alike: stress jumps where they meet, and what is asked of
+/// one must not see the other's.
+#[test]
+fn stress_of_a_region_does_not_see_another_region() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut parts = subsolid::mesh::generate::box_tets([3.0, 1.0, 1.0], [3, 2, 2]).unwrap().into_parts();
+    let upper = |t: &[u32; 4]| t.iter().map(|&v| parts.points[v as usize].z).sum::<f64>() > 2.0;
+    parts.regions = parts.tets.iter().map(|t| subsolid::mesh::RegionId(u16::from(upper(t)))).collect();
+    parts.region_names = vec!["soft".to_owned(), "stiff".to_owned()];
+    let mesh = subsolid::mesh::TetMesh::new(parts).unwrap();
+    let mut file = String::from(
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n3 1 \"soft\"\n3 2 \"stiff\"\n$EndPhysicalNames\n$Nodes\n",
+    );
+    file += &format!("{}\n", mesh.points().len());
+    mesh.points().iter().enumerate().for_each(|(i, p)| file += &format!("{} {} {} {}\n", i + 1, p.x, p.y, p.z));
+    file += &format!("$EndNodes\n$Elements\n{}\n", mesh.tets().len());
+    for (t, tet) in mesh.tets().iter().enumerate() {
+        let region = mesh.regions()[t].0 + 1;
+        let [a, b, c, d] = tet.map(|v| v + 1);
+        file += &format!("{} 4 2 {region} {region} {a} {b} {c} {d}\n", t + 1);
+    }
+    std::fs::write(folder.path().join("bars.msh"), file + "$EndElements\n").unwrap();
+    let text = r#"
+mesh.file = "bars.msh"
+[materials]
+soft = { youngs_modulus = 1.0, poissons_ratio = 0.0, group = "soft" }
+stiff = { youngs_modulus = 1000.0, poissons_ratio = 0.0, group = "stiff" }
+[supports.left]
+plane = { normal = [1.0, 0.0, 0.0], offset = 0.0 }
+fix = ["x", "y", "z"]
+[supports.right]
+plane = { normal = [1.0, 0.0, 0.0], offset = 3.0 }
+displacement = { x = 0.03 }
+[quantities]
+largest = { maximum = "sxx", region = "soft" }
+near = { value = "sxx", point = [1.5, 0.5, 0.45] }
+side = { average = "sxx", plane = { normal = [0.0, 0.0, 1.0], offset = 0.0 } }
+[refine]
+strategy = "none"
+"#;
+    std::fs::write(folder.path().join("bars.toml"), text).unwrap();
+    for element in ["tet4", "tet10"] {
+        let mut command = Command::cargo_bin("subsolid").unwrap();
+        command.current_dir(&folder).args([
+            "run",
+            "bars.toml",
+            "-q",
+            "--json",
+            "-",
+            "--set",
+            &format!("analysis.element={element}"),
+        ]);
+        let output = command.output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        for name in ["largest", "near", "side"] {
+            let value = report["steps"][0]["quantities"][name]["value"].as_f64().unwrap();
+            assert!((value - 0.01).abs() < 1e-9, "{element} {name}: {value}");
+        }
+    }
+}

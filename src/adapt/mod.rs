@@ -7,6 +7,6 @@ mod mark;
 pub mod options;
 
 pub use error::AdaptError;
-pub use estimate::{CellErrors, estimate};
+pub use estimate::{CellErrors, Recovered, estimate};
 pub use grow::grow;
 pub use mark::{mark, mark_values};

@@ -84,9 +84,10 @@ impl Dofs {
     }
 }
 
-/// Difference of two prescribed displacements, relative to the largest of all, that counts as rounding: two expressions may
-/// mean the same.
+/// Difference of two prescribed displacements that counts as rounding, relative to their size and to the body's: two
+/// expressions may mean the same.
 const SAME: f64 = 1e-10;
+const NOTHING: f64 = 1e-13;
 
 /// The prescribed components of all supports, each once, sorted by node and component.
 ///
@@ -109,8 +110,9 @@ pub fn prescribed(space: &Space<'_>, model: &Model) -> Result<Vec<Prescribed>, F
     }
     all.sort_unstable_by_key(|p| (p.node, p.component, p.support));
     let same = |a: &Prescribed, b: &Prescribed| (a.node, a.component) == (b.node, b.component);
-    let rounding = SAME * all.iter().map(|p| p.value.abs()).fold(0.0, f64::max);
-    let differ = |a: &Prescribed, b: &Prescribed| (a.value - b.value).abs() > rounding;
+    let nothing = NOTHING * space.mesh().diagonal();
+    let rounding = |a: &Prescribed, b: &Prescribed| SAME * a.value.abs().max(b.value.abs()) + nothing;
+    let differ = |a: &Prescribed, b: &Prescribed| (a.value - b.value).abs() > rounding(a, b);
     if let Some(pair) = all.windows(2).find(|w| same(&w[0], &w[1]) && differ(&w[0], &w[1])) {
         return Err(conflict(space, model, pair[0], pair[1]));
     }

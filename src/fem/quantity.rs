@@ -4,7 +4,8 @@ use super::clip::{self, Piece, WHOLE, Weights};
 use super::options::{Field, Total};
 use super::{Model, Solution, Space, SymTensor, von_mises};
 use crate::mesh::locate::Located;
-use crate::mesh::{GroupId, RegionId, TetMesh};
+use crate::mesh::quality::EDGES;
+use crate::mesh::{Face, GroupId, RegionId, TetMesh, topology};
 use glam::DVec3;
 
 /// A named number of a solution, in terms of groups and regions, so that it holds on every refinement of the mesh it was
@@ -67,18 +68,13 @@ impl Cells {
     /// Volume of what belongs here.
     #[must_use]
     pub fn volume(&self, mesh: &TetMesh) -> f64 {
-        self.integral(mesh, |_, _| 1.0)
-    }
-
-    /// Integral of a density, given by its mean over a piece of a cell.
-    fn integral(&self, mesh: &TetMesh, density: impl Fn(usize, &Piece) -> f64) -> f64 {
-        let part = |t: usize| self.pieces(mesh, t).iter().map(|p| clip::share(p) * density(t, p)).sum::<f64>();
+        let part = |t: usize| self.pieces(mesh, t).iter().map(clip::share).sum::<f64>();
         (0..mesh.tets().len()).map(|t| part(t) * mesh.cell_volume(t)).sum()
     }
 }
 
-/// A solution on its mesh, with the stress recovered at the vertices.
-#[derive(Debug, Clone, Copy)]
+/// A solution on its mesh, with the recovered stress.
+#[derive(Clone, Copy)]
 pub struct State<'a> {
     /// The mesh and its nodes.
     pub space: &'a Space<'a>,
@@ -86,8 +82,8 @@ pub struct State<'a> {
     pub model: &'a Model,
     /// The solution.
     pub solution: &'a Solution,
-    /// Recovered stress at each node.
-    pub nodal_stress: &'a [SymTensor],
+    /// Recovered stress at the nodes of a cell, of the cell's region: where regions meet, stress may jump.
+    pub recovered: &'a dyn Fn(usize) -> [SymTensor; 10],
 }
 
 /// Corners of the quadrature rule of degree 2 on tetrahedra: one coordinate, and the three others.
@@ -119,57 +115,73 @@ impl State<'_> {
     /// The recovered stress at a point of a cell.
     #[must_use]
     pub fn stress(&self, cell: usize, weights: [f64; 4]) -> SymTensor {
-        self.stress_between(self.space.cell(cell).zip(self.space.shape(weights)))
-    }
-
-    fn stress_between(&self, nodes: impl Iterator<Item = (u32, f64)>) -> SymTensor {
         let mut stress = [0.0; 6];
-        for (v, n) in nodes {
-            stress.iter_mut().zip(self.nodal_stress[v as usize]).for_each(|(sum, s)| *sum += n * s);
+        for (s, n) in (self.recovered)(cell).iter().zip(self.space.shape(weights)) {
+            stress.iter_mut().zip(s).for_each(|(sum, s)| *sum += n * s);
         }
         stress
     }
 
     /// A field at a point of a cell, of the displacement and of the recovered stress.
-    fn at(&self, field: Field, cell: usize, weights: [f64; 4]) -> f64 {
-        self.between(field, self.space.cell(cell).zip(self.space.shape(weights)))
+    fn at(&self, field: Field, cell: usize, weights: Weights) -> f64 {
+        if field.is_stress() {
+            of_stress(field, self.stress(cell, weights))
+        } else {
+            of_displacement(field, self.displacement(cell, weights))
+        }
     }
 
-    /// A field between nodes, given with their shape functions.
-    fn between(&self, field: Field, nodes: impl Iterator<Item = (u32, f64)>) -> f64 {
-        if field.is_stress() {
-            of_stress(field, self.stress_between(nodes))
-        } else {
-            of_displacement(field, nodes.map(|(v, n)| n * self.solution.displacement[v as usize]).sum())
-        }
+    /// The faces of a group, each with its cell.
+    fn faces(&self, group: GroupId) -> impl Iterator<Item = (&Face, usize)> {
+        let mesh = self.space.mesh();
+        let cells = topology::boundary_cells(mesh.tets());
+        let inside = move |face: &Face| mesh.patch_groups()[face.patch.0 as usize].contains(&group);
+        mesh.faces().iter().zip(cells).filter(move |(face, _)| inside(face)).map(|(face, t)| (face, t as usize))
+    }
+
+    /// Barycentric coordinates in a cell of a point of one of its faces.
+    fn in_cell(&self, cell: usize, face: &Face, l: [f64; 3]) -> Weights {
+        let place = |v: u32| face.vertices.iter().position(|&w| w == v).map_or(0.0, |k| l[k]);
+        self.space.mesh().tets()[cell].map(place)
     }
 
     fn face_mean(&self, field: Field, group: GroupId) -> f64 {
         let (mut sum, mut area) = (0.0, 0.0);
-        for face in self.space.mesh().group_faces(group) {
+        for (face, cell) in self.faces(group) {
             for (l, _, weight) in self.space.face_rule(face) {
                 let weight = weight.length();
-                sum += weight * self.between(field, self.space.face(face).zip(self.space.face_shape(l)));
+                sum += weight * self.at(field, cell, self.in_cell(cell, face, l));
                 area += weight;
             }
         }
         sum / area
     }
 
+    /// Points of cell `t` with their volumes, for integrals over the part of it that belongs to `cells`. Pieces of cells
+    /// across the sides of a box are straight.
+    fn points(&self, cells: Cells, t: usize) -> Vec<(Weights, f64)> {
+        let mesh = self.space.mesh();
+        let pieces = cells.pieces(mesh, t);
+        if pieces == [WHOLE] && self.space.is_curved(t) {
+            return self.space.cell_rule(t).map(|(l, _, volume)| (l, volume)).to_vec();
+        }
+        let points = |piece: &Piece| {
+            let volume = clip::share(piece) * mesh.cell_volume(t) / 4.0;
+            [0, 1, 2, 3].map(|i| (inner_point(piece, corner_weights(TET_RULE, i)), volume))
+        };
+        pieces.iter().flat_map(points).collect()
+    }
+
     fn cell_mean(&self, field: Field, cells: Cells) -> f64 {
-        let (mesh, mut sum, mut volume) = (self.space.mesh(), 0.0, 0.0);
-        for t in 0..mesh.tets().len() {
-            for piece in cells.pieces(mesh, t) {
-                let weight = clip::share(&piece) * mesh.cell_volume(t);
-                let points = (0..4).map(|i| inner_point(&piece, corner_weights(TET_RULE, i)));
-                let value = |l: Weights| {
-                    if field.is_stress() {
-                        of_stress(field, self.solution.stress.at(t, l))
-                    } else {
-                        of_displacement(field, self.displacement(t, l))
-                    }
+        let (mut sum, mut volume) = (0.0, 0.0);
+        for t in 0..self.space.mesh().tets().len() {
+            for (l, weight) in self.points(cells, t) {
+                let value = if field.is_stress() {
+                    of_stress(field, self.solution.stress.at(t, l))
+                } else {
+                    of_displacement(field, self.displacement(t, l))
                 };
-                sum += weight * points.map(value).sum::<f64>() / 4.0;
+                sum += weight * value;
                 volume += weight;
             }
         }
@@ -180,31 +192,40 @@ impl State<'_> {
     /// that there is none larger; between those of ten-node cells there may be.
     fn maximum(&self, field: Field, extent: Extent) -> f64 {
         let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(f64::NEG_INFINITY, f64::max);
-        let node = |v: u32| self.between(field, std::iter::once((v, 1.0)));
         let mesh = self.space.mesh();
+        let quadratic = !self.space.midside().is_empty();
         match extent {
-            Extent::Faces(group) => largest(&mut mesh.group_faces(group).flat_map(|f| self.space.face(f)).map(node)),
+            Extent::Faces(group) => {
+                let corners = (0..3).map(|k| std::array::from_fn(|i| f64::from(u8::from(i == k))));
+                let middles = (0..3).map(|k| std::array::from_fn(|i| if i == k { 0.0 } else { 0.5 }));
+                let nodes: Vec<[f64; 3]> = corners.chain(middles.take(if quadratic { 3 } else { 0 })).collect();
+                let of_face = |(face, cell): (&Face, usize)| {
+                    largest(&mut nodes.iter().map(|l| self.at(field, cell, self.in_cell(cell, face, *l))))
+                };
+                largest(&mut self.faces(group).map(of_face))
+            }
             Extent::Cells(cells) => largest(&mut (0..mesh.tets().len()).map(|t| {
                 let pieces = cells.pieces(mesh, t);
-                if pieces == [WHOLE] {
-                    return largest(&mut self.space.cell(t).map(node));
-                }
-                largest(&mut pieces.into_iter().flatten().map(|w| self.at(field, t, w)))
+                let middle = |[i, j]: [usize; 2]| std::array::from_fn(|k| if k == i || k == j { 0.5 } else { 0.0 });
+                let middles = EDGES.map(middle);
+                let middles = if quadratic && pieces == [WHOLE] { &middles[..] } else { &[] };
+                largest(&mut pieces.iter().flatten().chain(middles).map(|w| self.at(field, t, *w)))
             })),
         }
     }
 
     fn total(&self, what: Total, cells: Cells) -> f64 {
         let mesh = self.space.mesh();
-        let material = |t: usize| &self.model.materials[mesh.regions()[t].0 as usize];
-        match what {
-            Total::Volume => cells.volume(mesh),
-            Total::Mass => cells.integral(mesh, |t, _| material(t).density),
-            Total::StrainEnergy => cells.integral(mesh, |t, piece| {
-                let density = |l| 0.5 * material(t).compliance_energy(self.solution.stress.at(t, l));
-                (0..4).map(|i| density(inner_point(piece, corner_weights(TET_RULE, i)))).sum::<f64>() / 4.0
-            }),
-        }
+        let cell = |t: usize| {
+            let material = &self.model.materials[mesh.regions()[t].0 as usize];
+            let density = |l| match what {
+                Total::Volume => 1.0,
+                Total::Mass => material.density,
+                Total::StrainEnergy => 0.5 * material.compliance_energy(self.solution.stress.at(t, l)),
+            };
+            self.points(cells, t).into_iter().map(|(l, volume)| volume * density(l)).sum::<f64>()
+        };
+        (0..mesh.tets().len()).map(cell).sum()
     }
 }
 

@@ -1,6 +1,5 @@
 //! Stress, energy and reactions of a solved system.
 
-use super::block_matrix::dot;
 use super::{Model, Solved, SolverInfo, Space, Stress, System, springs};
 use glam::DVec3;
 
@@ -30,9 +29,9 @@ pub fn recover(space: &Space<'_>, model: &Model, system: &System, solved: &Solve
     for (support, reaction) in model.supports.iter().zip(&mut reactions) {
         *reaction += springs::reaction(space, support, u);
     }
-    let has_springs = model.supports.iter().any(|s| s.stiffness != DVec3::ZERO);
     Solution {
-        strain_energy: if has_springs { stress.energies(space, model).sum() } else { 0.5 * dot(u, &internal) },
+        // By the strains, not as u.K u / 2, which has no digits left where the body moves far more than it deforms.
+        strain_energy: stress.energies(space, model, u).iter().sum(),
         stress,
         reactions,
         displacement: u.clone(),

@@ -25,6 +25,14 @@ fn through(values: [SymTensor; 4]) -> [SymTensor; 4] {
     values.map(|s| std::array::from_fn(|i| (s[i] - other * sum[i]) / (own - other)))
 }
 
+/// The stress of nodal displacements at a point of a ten-node cell.
+fn of_ten_nodes(space: &Space<'_>, model: &Model, u: &[DVec3], t: usize, l: [f64; 4]) -> SymTensor {
+    let moves = space.cell(t).map(|v| u[v as usize]);
+    let gradients = tet10::gradients(space.frame(t, l).1, l);
+    let material = &model.materials[space.mesh().regions()[t].0 as usize];
+    material.stress(tet4::strain(gradients.into_iter().zip(moves)))
+}
+
 /// Stress in each cell: constant for four-node cells, linear for ten-node cells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stress {
@@ -56,11 +64,7 @@ impl Stress {
         let values = if linear {
             cells
                 .flat_map_iter(|t| {
-                    let at = |l| {
-                        let moves = space.cell(t).map(|v| u[v as usize]);
-                        let gradients = tet10::gradients(space.frame(t, l).1, l);
-                        material(t).stress(tet4::strain(gradients.into_iter().zip(moves)))
-                    };
+                    let at = |l| of_ten_nodes(space, model, u, t, l);
                     if space.is_curved(t) { through(SAMPLE.map(at)) } else { CORNERS.map(at) }
                 })
                 .collect()
@@ -109,16 +113,24 @@ impl Stress {
         std::array::from_fn(|i| corners.iter().zip(l).map(|(s, l)| l * s[i]).sum())
     }
 
-    /// Integral of half stress times strain over each cell.
-    pub fn energies(&self, space: &Space<'_>, model: &Model) -> impl Iterator<Item = f64> {
+    /// Integral of half stress times strain over each cell, of the displacement `u` that the stress is of.
+    #[must_use]
+    pub fn energies(&self, space: &Space<'_>, model: &Model, u: &[DVec3]) -> Vec<f64> {
         let mesh = space.mesh();
-        (0..self.cells()).map(move |t| {
+        let energy = |t: usize| {
             let density = |s| 0.5 * model.materials[mesh.regions()[t].0 as usize].compliance_energy(s);
-            if self.linear {
-                space.cell_rule(t).into_iter().map(|(l, _, volume)| volume * density(self.at(t, l))).sum()
-            } else {
-                mesh.cell_volume(t) * density(self.values[t])
+            if !self.linear {
+                return mesh.cell_volume(t) * density(self.values[t]);
             }
-        })
+            if space.is_curved(t) {
+                let at = |(l, _, volume)| volume * density(of_ten_nodes(space, model, u, t, l));
+                return space.cell_rule(t).into_iter().map(at).sum();
+            }
+            // The mean of a quadratic form q of a linear field: (sum_i q(s_i) + q(sum_i s_i)) / 20.
+            let corners = &self.values[4 * t..4 * t + 4];
+            let sum = std::array::from_fn(|i| corners.iter().map(|s| s[i]).sum());
+            mesh.cell_volume(t) / 20.0 * (corners.iter().map(|s| density(*s)).sum::<f64>() + density(sum))
+        };
+        (0..self.cells()).into_par_iter().map(energy).collect()
     }
 }

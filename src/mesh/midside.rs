@@ -29,24 +29,58 @@ pub fn quadratic_frame(x: &[DVec3; 10], l: [f64; 4]) -> (f64, [DVec3; 4]) {
     (determinant / 6.0, [-(ga + gb + gc), ga, gb, gc])
 }
 
-/// The smallest Jacobian determinant (over six) of a ten-node tetrahedron, of those at the points of the cubic lattice.
+/// A lower bound of the Jacobian determinant (over six) of a ten-node tetrahedron: positive where the smallest Bernstein
+/// coefficient is, for the determinant is a cubic polynomial and lies between its coefficients; where that does not decide,
+/// the smallest value on a fine lattice.
 #[must_use]
 pub fn smallest_jacobian(x: &[DVec3; 10]) -> f64 {
-    let mut smallest = f64::INFINITY;
-    for i in 0..4_u8 {
-        for j in 0..4 - i {
-            for k in 0..4 - i - j {
-                let l = [i, j, k, 3 - i - j - k].map(|n| f64::from(n) / 3.0);
-                smallest = smallest.min(quadratic_frame(x, l).0);
-            }
-        }
-    }
-    smallest
+    let at = |l: [f64; 4]| quadratic_frame(x, l).0;
+    let unit = |k: usize| std::array::from_fn(|i| f64::from(u8::from(i == k)));
+    let corner: [f64; 4] = std::array::from_fn(|k| at(unit(k)));
+    // The coefficients that lie at thirds of an edge, by its two ends, from the values there.
+    let thirds = |i: usize, j: usize| {
+        let value = |near: usize| {
+            at(std::array::from_fn(|k| {
+                if k == near {
+                    2.0 / 3.0
+                } else if k == i + j - near {
+                    1.0 / 3.0
+                } else {
+                    0.0
+                }
+            }))
+        };
+        let coefficient = |near: usize, far: usize| {
+            (18.0 * value(near) - 9.0 * value(far) - 5.0 * corner[near] + 2.0 * corner[far]) / 6.0
+        };
+        [coefficient(i, j), coefficient(j, i)]
+    };
+    let edges = EDGES.map(|[i, j]| thirds(i, j));
+    let faces = std::array::from_fn(|k: usize| {
+        let value = at(std::array::from_fn(|i| if i == k { 0.0 } else { 1.0 / 3.0 }));
+        let corners: f64 = corner.iter().sum::<f64>() - corner[k];
+        let sides: f64 = EDGES.iter().zip(&edges).filter(|(e, _)| !e.contains(&k)).map(|(_, c)| c[0] + c[1]).sum();
+        (27.0 * value - corners - 3.0 * sides) / 6.0
+    });
+    let all = corner.iter().chain(edges.iter().flatten()).chain::<&[f64; 4]>(&faces);
+    let least = all.copied().fold(f64::INFINITY, f64::min);
+    if least > 0.0 { least } else { lattice(FINE).map(at).fold(f64::INFINITY, f64::min) }
+}
+
+/// Divisions of an edge in the lattice that decides where Bernstein coefficients do not.
+const FINE: u8 = 12;
+
+/// The points of a cell whose barycentric coordinates are multiples of `1 / n`.
+fn lattice(n: u8) -> impl Iterator<Item = [f64; 4]> {
+    let all = (0..=n)
+        .flat_map(move |i| (0..=n - i).flat_map(move |j| (0..=n - i - j).map(move |k| [i, j, k, n - i - j - k])));
+    all.map(move |l| l.map(|m| f64::from(m) / f64::from(n)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     /// A ten-node cell whose edges follow a smooth map.
     fn bent(map: impl Fn(DVec3) -> DVec3) -> [DVec3; 10] {
@@ -85,5 +119,22 @@ mod tests {
         assert!((smallest_jacobian(&cell) - 1.0 / 6.0).abs() < 1e-15);
         cell[4] = DVec3::new(0.8, 0.0, 0.0);
         assert!(smallest_jacobian(&cell) < 0.0);
+    }
+
+    proptest! {
+        /// Whatever the edges, the bound is below the determinant anywhere, if it is positive.
+        #[test]
+        fn a_positive_bound_holds_inside(shifts in prop::array::uniform18(-0.15_f64..0.15), l in prop::array::uniform4(0.0_f64..1.0)) {
+            let mut cell = bent(|p| p);
+            for (k, x) in cell[4..].iter_mut().enumerate() {
+                *x += DVec3::new(shifts[3 * k], shifts[3 * k + 1], shifts[3 * k + 2]);
+            }
+            let sum: f64 = l.iter().sum();
+            prop_assume!(sum > 0.1);
+            let inside = quadratic_frame(&cell, l.map(|l| l / sum)).0;
+            let bound = smallest_jacobian(&cell);
+            prop_assert!(bound <= 0.0 || bound <= inside + 1e-15, "{bound} {inside}");
+            prop_assert!(inside > 0.0 || bound <= 0.01);
+        }
     }
 }

@@ -4,7 +4,7 @@ use super::ModelError;
 use super::analyse::Analysed;
 use super::resolve::{Resolved, Targets, properties};
 use crate::error::Error;
-use crate::fem::{self, State};
+use crate::fem::{self, State, SymTensor};
 use crate::mesh::locate::Locator;
 use crate::mesh::{RegionId, TetMesh};
 use crate::output::csv::write_csv;
@@ -135,7 +135,8 @@ pub(super) fn values(problem: &Resolved, analysed: &Analysed<'_>) -> Vec<(String
     if problem.quantities.is_empty() {
         return Vec::new();
     }
-    let state = state(problem, analysed);
+    let recovered = recovered(analysed);
+    let state = state(problem, analysed, &recovered);
     // Few quantities are at points.
     let locator = LazyCell::new(|| Locator::new(analysed.space.mesh()));
     let value = |q: &fem::Quantity| state.value(q.kind, &|p| locator.nearest(p));
@@ -143,9 +144,21 @@ pub(super) fn values(problem: &Resolved, analysed: &Analysed<'_>) -> Vec<(String
     problem.quantities.iter().map(record).collect()
 }
 
-fn state<'a>(problem: &'a Resolved, analysed: &'a Analysed<'a>) -> State<'a> {
-    let (solution, nodal_stress) = (&analysed.solution, &analysed.errors.nodal_stress);
-    State { space: &analysed.space, model: &problem.model, solution, nodal_stress }
+fn state<'a>(
+    problem: &'a Resolved,
+    analysed: &'a Analysed<'a>,
+    recovered: &'a dyn Fn(usize) -> [SymTensor; 10],
+) -> State<'a> {
+    State { space: &analysed.space, model: &problem.model, solution: &analysed.solution, recovered }
+}
+
+/// The recovered stress at the nodes of a cell; those that four-node cells do not have are zero.
+fn recovered<'a>(analysed: &'a Analysed<'a>) -> impl Fn(usize) -> [SymTensor; 10] + 'a {
+    |t| {
+        let mut nodes = [[0.0; 6]; 10];
+        nodes.iter_mut().zip(analysed.errors.recovered.of_cell(t)).for_each(|(node, stress)| *node = stress);
+        nodes
+    }
 }
 
 /// The name of a probe's file.
@@ -171,7 +184,8 @@ pub(super) fn write_probes(
         return Ok(());
     }
     let mesh = analysed.space.mesh();
-    let (state, locator) = (state(problem, analysed), Locator::new(mesh));
+    let recovered = recovered(analysed);
+    let (state, locator) = (state(problem, analysed, &recovered), Locator::new(mesh));
     let outside = OUTSIDE * mesh.diagonal();
     for probe in probes {
         let row = |p: DVec3| {

@@ -27,9 +27,30 @@ pub struct CellErrors {
     /// Recovered stress at each node; where regions meet, the mean of theirs weighted by their volumes around it. For
     /// output. Zero at a node without cells.
     pub nodal_stress: Vec<SymTensor>,
+    /// Recovered stress of each cell's own region.
+    pub recovered: Recovered,
     /// Cells, ascending, that share no vertex with another cell of their region: there is no stress to compare theirs
     /// with, so their error is not known. Their entry of `squared` is zero.
     pub unestimated: Vec<u32>,
+}
+
+/// The stress that is recovered, from patches of cells of one region each: continuous in a region, with jumps between.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Recovered {
+    /// The patch at each vertex of each cell.
+    patches: Vec<[u32; 4]>,
+    /// The stress at the vertex of each patch.
+    at_vertices: Vec<SymTensor>,
+    /// That at the other nodes of ten-node cells, six a cell.
+    between: Vec<[SymTensor; 6]>,
+}
+
+impl Recovered {
+    /// The stress at the nodes of cell `t`: four, or ten.
+    pub fn of_cell(&self, t: usize) -> impl Iterator<Item = SymTensor> {
+        let corners = self.patches[t].map(|p| self.at_vertices[p as usize]);
+        corners.into_iter().chain(self.between.get(t).into_iter().flatten().copied())
+    }
 }
 
 impl CellErrors {
@@ -63,22 +84,32 @@ pub fn estimate(space: &Space<'_>, materials: &[Material], stress: &Stress, esti
     let volumes: Vec<f64> = (0..mesh.tets().len()).map(|t| mesh.cell_volume(t)).collect();
     let field = Field { space, stress, volumes: &volumes };
     let material = |t: usize| &materials[mesh.regions()[t].0 as usize];
-    let (squared, nodal_stress) = if stress.is_linear() {
+    let Estimate { squared, nodal_stress, at_vertices, between } = if stress.is_linear() {
         quadratic::estimate(&field, &patches, material, estimator)
     } else {
         linear(&field, &patches, material, estimator)
     };
     let unestimated = (0..stress.cells()).filter(|&t| patches.is_isolated(t)).map(|t| t as u32).collect();
-    CellErrors { squared, nodal_stress, unestimated }
+    let recovered = Recovered { patches: patches.into_cells(), at_vertices, between };
+    CellErrors { squared, nodal_stress, recovered, unestimated }
 }
 
-/// Squared errors of the cells and stress at the nodes, for a stress that is constant in each cell.
+/// What an estimate gives: squared errors of the cells, stress at the nodes, at the vertices of the patches, and between the
+/// vertices of ten-node cells.
+struct Estimate {
+    squared: Vec<f64>,
+    nodal_stress: Vec<SymTensor>,
+    at_vertices: Vec<SymTensor>,
+    between: Vec<[SymTensor; 6]>,
+}
+
+/// The estimate for a stress that is constant in each cell.
 fn linear<'a>(
     field: &Field<'_>,
     patches: &Patches,
     material: impl Fn(usize) -> &'a Material + Sync,
     estimator: Estimator,
-) -> (Vec<f64>, Vec<SymTensor>) {
+) -> Estimate {
     let recovered: Vec<SymTensor> = (0..patches.len())
         .into_par_iter()
         .map(|p| {
@@ -100,7 +131,8 @@ fn linear<'a>(
             squared_error(material(t), field.volumes[t], &differences)
         })
         .collect();
-    (squared, at_vertices(field, patches, &recovered))
+    let nodal_stress = at_vertices(field, patches, &recovered);
+    Estimate { squared, nodal_stress, at_vertices: recovered, between: Vec::new() }
 }
 
 /// The stress of the elements.

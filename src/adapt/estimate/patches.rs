@@ -1,6 +1,7 @@
-//! Patches: the cells of one region around one vertex.
+//! Patches: the cells of one region around one vertex that hang together through faces.
 
-use crate::mesh::{TetMesh, topology::VertexCells};
+use crate::mesh::TetMesh;
+use crate::mesh::topology::{self, VertexCells};
 use std::borrow::Cow;
 
 /// All patches of a mesh, ordered by vertex and region.
@@ -22,7 +23,9 @@ impl Patches {
             cells: Vec::with_capacity(4 * mesh.tets().len()),
             of_cell: vec![[0; 4]; mesh.tets().len()],
         };
-        let region = |t: u32| mesh.regions()[t as usize];
+        // Parts that touch at a vertex or an edge have nothing to do with each other's stress.
+        let (parts, _) = topology::parts(mesh.tets());
+        let region = |t: u32| (mesh.regions()[t as usize], parts[t as usize]);
         let mut cells = Vec::new();
         for v in 0..mesh.points().len() as u32 {
             cells.clear();
@@ -78,6 +81,11 @@ impl Patches {
         around.sort_unstable();
         around.dedup();
         around
+    }
+
+    /// The patch at each vertex of each cell.
+    pub(super) fn into_cells(self) -> Vec<[u32; 4]> {
+        self.of_cell
     }
 
     /// Whether cell `t` shares no vertex with another cell of its region.

@@ -5,12 +5,12 @@
 //! polynomials does. Averaging takes the mean of the stresses of the cells around a node, weighted by volume.
 
 use super::patches::Patches;
-use super::{Field, add_scaled, minus};
+use super::{Estimate, Field, add_scaled, minus};
 use crate::adapt::options::Estimator;
 use crate::fem::{Material, SymTensor};
 use crate::mesh::quality::EDGES;
-use glam::DVec3;
-use nalgebra::{SMatrix, SVector};
+use glam::{DMat3, DVec3};
+use nalgebra::{Matrix3, SMatrix, SVector, SymmetricEigen, Vector3};
 use rayon::prelude::*;
 
 /// Fewest cells that a quadratic polynomial is fitted to; around fewer, cells that touch them are taken as well.
@@ -22,13 +22,13 @@ const MIN_RATIO: f64 = 1e-6;
 /// The points of a cell that the polynomial is fitted to: those of the quadrature rule of degree two.
 const SAMPLE: [f64; 2] = [0.585_410_196_624_968_5, 0.138_196_601_125_010_5];
 
-/// Squared errors of the cells and stress at the nodes.
+/// The estimate for a stress that is linear in each cell.
 pub(super) fn estimate<'a>(
     field: &Field<'_>,
     patches: &Patches,
     material: impl Fn(usize) -> &'a Material + Sync,
     estimator: Estimator,
-) -> (Vec<f64>, Vec<SymTensor>) {
+) -> Estimate {
     let fits: Vec<Polynomial> = (0..patches.len())
         .into_par_iter()
         .map(|p| match estimator {
@@ -45,17 +45,18 @@ pub(super) fn estimate<'a>(
             (squared, std::array::from_fn(|e| values[4 + e]))
         })
         .collect();
-    let vertices: Vec<SymTensor> = fits.iter().map(|f| f.coefficients[0]).collect();
-    let mut nodal = super::at_vertices(field, patches, &vertices);
-    nodal.extend(between_vertices(field, &of_cells));
-    (of_cells.into_iter().map(|(squared, _)| squared).collect(), nodal)
+    let (squared, between): (Vec<f64>, Vec<[SymTensor; 6]>) = of_cells.into_iter().unzip();
+    let at_vertices: Vec<SymTensor> = fits.iter().map(|f| f.coefficients[0]).collect();
+    let mut nodal_stress = super::at_vertices(field, patches, &at_vertices);
+    nodal_stress.extend(between_vertices(field, &between));
+    Estimate { squared, nodal_stress, at_vertices, between }
 }
 
 /// One stress a midside node: the mean of those of its cells, weighted by volume.
-fn between_vertices(field: &Field, of_cells: &[(f64, [SymTensor; 6])]) -> Vec<SymTensor> {
+fn between_vertices(field: &Field, of_cells: &[[SymTensor; 6]]) -> Vec<SymTensor> {
     let vertices = field.space.mesh().points().len();
     let mut sums = vec![([0.0; 6], 0.0); field.space.midside().len()];
-    for (t, (_, values)) in of_cells.iter().enumerate() {
+    for (t, values) in of_cells.iter().enumerate() {
         for (node, value) in field.space.cell(t).skip(4).zip(values) {
             let (sum, weight) = &mut sums[node as usize - vertices];
             add_scaled(sum, field.volumes[t], value);
@@ -139,10 +140,13 @@ fn shape_product(a: usize, b: usize) -> f64 {
     f64::from(sum) / 420.0
 }
 
-/// A stress whose components are quadratic polynomials in `(x - origin) / size`: 1, x, y, z, xx, yy, zz, xy, yz, xz.
+/// A stress whose components are quadratic polynomials in local coordinates: 1, x, y, z, xx, yy, zz, xy, yz, xz.
+///
+/// The coordinates are along the principal axes of the points that were fitted, in units of their spread, so that flat and
+/// stretched cells are fitted as well as others.
 struct Polynomial {
     origin: DVec3,
-    size: f64,
+    to_local: DMat3,
     coefficients: [SymTensor; 10],
 }
 
@@ -174,24 +178,21 @@ impl Polynomial {
         }
         let volume = field.volume_of(&cells);
         coefficients[0] = coefficients[0].map(|x| x / volume);
-        Self { origin: mesh.points()[vertex as usize], size: 1.0, coefficients }
+        Self { origin: mesh.points()[vertex as usize], to_local: DMat3::IDENTITY, coefficients }
     }
 
     /// The least-squares polynomial of `N` terms around a vertex; `None` if the cells do not determine it.
     fn fit<const N: usize>(field: &Field, vertex: u32, cells: &[u32]) -> Option<Self> {
-        let mesh = field.space.mesh();
-        let origin = mesh.points()[vertex as usize];
-        let far = cells.iter().flat_map(|&t| mesh.cell_points(t as usize)).map(|x| x.distance(origin));
-        let size = far.fold(0.0, f64::max);
+        let origin = field.space.mesh().points()[vertex as usize];
+        let samples = || cells.iter().flat_map(|&t| (0..4).map(move |k| (t as usize, sample(k))));
+        let places: Vec<DVec3> = samples().map(|(t, l)| field.space.position(t, l) - origin).collect();
+        let to_local = principal_axes(&places)?;
         let (mut normal, mut right) = (SMatrix::<f64, N, N>::zeros(), SMatrix::<f64, N, 6>::zeros());
-        for t in cells.iter().map(|&t| t as usize) {
-            for k in 0..4 {
-                let l: [f64; 4] = std::array::from_fn(|i| SAMPLE[usize::from(i != k)]);
-                let all = monomials((field.space.position(t, l) - origin) / size);
-                let p = SVector::<f64, N>::from_fn(|i, _| all[i]);
-                normal.ger(1.0, &p, &p, 1.0);
-                right.ger(1.0, &p, &SVector::<f64, 6>::from(field.stress.at(t, l)), 1.0);
-            }
+        for ((t, l), place) in samples().zip(&places) {
+            let all = monomials(to_local * *place);
+            let p = SVector::<f64, N>::from_fn(|i, _| all[i]);
+            normal.ger(1.0, &p, &p, 1.0);
+            right.ger(1.0, &p, &SVector::<f64, 6>::from(field.stress.at(t, l)), 1.0);
         }
         let factor = normal.cholesky()?;
         let pivots = factor.l_dirty().diagonal();
@@ -203,16 +204,40 @@ impl Polynomial {
         for (i, row) in coefficients.iter_mut().enumerate().take(N) {
             *row = std::array::from_fn(|c| solution[(i, c)]);
         }
-        Some(Self { origin, size, coefficients })
+        Some(Self { origin, to_local, coefficients })
     }
 
     fn at(&self, x: DVec3) -> SymTensor {
         let mut sum = [0.0; 6];
-        for (p, c) in monomials((x - self.origin) / self.size).into_iter().zip(&self.coefficients) {
+        for (p, c) in monomials(self.to_local * (x - self.origin)).into_iter().zip(&self.coefficients) {
             add_scaled(&mut sum, p, c);
         }
         sum
     }
+}
+
+/// The `k`-th point of a cell that polynomials are fitted to.
+fn sample(k: usize) -> [f64; 4] {
+    std::array::from_fn(|i| SAMPLE[usize::from(i != k)])
+}
+
+/// The map to principal axes in units of the spread (root mean square) along each; `None` if the points lie in a plane.
+fn principal_axes(points: &[DVec3]) -> Option<DMat3> {
+    let mean = points.iter().sum::<DVec3>() / points.len() as f64;
+    let mut spread = Matrix3::zeros();
+    for p in points {
+        let d = Vector3::from((*p - mean).to_array());
+        spread.ger(1.0 / points.len() as f64, &d, &d, 1.0);
+    }
+    let eigen = SymmetricEigen::new(spread);
+    if eigen.eigenvalues.min() <= f64::EPSILON * eigen.eigenvalues.max() {
+        return None;
+    }
+    let rows: [DVec3; 3] = std::array::from_fn(|k| {
+        let axis = eigen.eigenvectors.column(k) / eigen.eigenvalues[k].sqrt();
+        DVec3::new(axis[0], axis[1], axis[2])
+    });
+    Some(DMat3::from_cols(rows[0], rows[1], rows[2]).transpose())
 }
 
 fn monomials(x: DVec3) -> [f64; 10] {

@@ -174,10 +174,24 @@ fn flat_patches_are_averaged() {
 
 #[test]
 fn the_relative_error_compares_with_the_exact_energy() {
-    let errors = CellErrors { squared: vec![4.0, 5.0], nodal_stress: Vec::new(), unestimated: Vec::new() };
+    let errors = CellErrors {
+        squared: vec![4.0, 5.0],
+        nodal_stress: Vec::new(),
+        recovered: Recovered::default(),
+        unestimated: Vec::new(),
+    };
     // 2 U_exact = 2 U_h + eta^2 = 16 + 9
     assert!(close(errors.relative(8.0), 0.6, 1.0));
-    assert_eq!(CellErrors { squared: vec![0.0], nodal_stress: Vec::new(), unestimated: Vec::new() }.relative(0.0), 0.0);
+    assert_eq!(
+        CellErrors {
+            squared: vec![0.0],
+            nodal_stress: Vec::new(),
+            recovered: Recovered::default(),
+            unestimated: Vec::new()
+        }
+        .relative(0.0),
+        0.0
+    );
 }
 
 /// A cell put on the middle of a side has a vertex of its own: its own stress there is no recovered stress.
@@ -320,5 +334,55 @@ fn the_recovered_stress_of_ten_node_cells_is_the_best_quadratic() {
         }
         let exact = mesh.cell_volume(t) * sum / weight;
         assert!((errors.squared[t] - exact).abs() < 0.015 * exact, "{t}: {} {exact}", errors.squared[t]);
+    }
+}
+
+/// The error of a stress that is quadratic along x is the same on a body of whatever thickness, in whatever direction it is
+/// thin: fits see flat cells as they see others.
+#[test]
+fn thin_cells_are_estimated_as_thick_ones_are() {
+    let quadratic = |x: f64| [x * x, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let turned = glam::DMat3::from_axis_angle(DVec3::new(1.0, 2.0, -1.0).normalize(), 0.7);
+    let relative = |thickness: f64| {
+        let flat = box_tets([1.0, 1.0, thickness], [4, 4, 1]).unwrap();
+        let corners: Vec<[SymTensor; 4]> =
+            (0..flat.tets().len()).map(|t| flat.cell_points(t).map(|p| quadratic(p.x))).collect();
+        let mut parts = flat.into_parts();
+        parts.points.iter_mut().for_each(|p| *p = turned * *p);
+        let mesh = TetMesh::new(parts).unwrap();
+        let space = Space::new(&mesh, Element::Tet10, &[]);
+        let errors = estimate(&space, &[STEEL], &Stress::linear(&corners), Estimator::Spr);
+        errors.energy().powi(2) / mesh.volume()
+    };
+    let thick = relative(0.25);
+    for thickness in [0.1, 1e-2, 1e-3] {
+        let thin = relative(thickness);
+        assert!((thin / thick - 1.0).abs() < 0.05, "{thickness}: {thin} {thick}");
+    }
+}
+
+/// Two bodies that touch at an edge only, under different constant stresses: neither's is an error of the other.
+#[test]
+fn parts_that_touch_at_an_edge_are_recovered_apart() {
+    let (a, b) = (box_tets([1.0; 3], [2; 3]).unwrap(), box_tets([1.0; 3], [2; 3]).unwrap());
+    let mut points = a.points().to_vec();
+    let place = |p: DVec3| p + DVec3::new(1.0, 1.0, 0.0);
+    let mut number = Vec::new();
+    for p in b.points().iter().map(|p| place(*p)) {
+        let same = a.points().iter().position(|q| q.distance(p) < 1e-12);
+        number.push(same.unwrap_or(points.len()) as u32);
+        if same.is_none() {
+            points.push(p);
+        }
+    }
+    let tets: Vec<[u32; 4]> =
+        a.tets().iter().copied().chain(b.tets().iter().map(|t| t.map(|v| number[v as usize]))).collect();
+    let mesh = TetMesh::from_cells(points, tets, "solid").unwrap();
+    let first = a.tets().len();
+    let stress: Vec<SymTensor> = (0..mesh.tets().len()).map(|t| [f64::from(u8::from(t < first)); 6]).collect();
+    let corners: Vec<[SymTensor; 4]> = stress.iter().map(|s| [*s; 4]).collect();
+    for (element, stress) in [(Element::Tet4, Stress::constant(stress)), (Element::Tet10, Stress::linear(&corners))] {
+        let errors = estimate(&Space::new(&mesh, element, &[]), &[STEEL], &stress, Estimator::Spr);
+        assert!(errors.energy() < 1e-12, "{element:?}: {}", errors.energy());
     }
 }

@@ -9,8 +9,9 @@ use crate::mesh::{MeshError, TetMesh};
 use glam::DVec3;
 use std::path::Path;
 
-/// Distance from the middle over the edge's length from which an edge counts as curved.
-const CURVED: f64 = 1e-9;
+/// Distance from the middle over the edge's length from which an edge counts as curved: above the rounding of files that
+/// keep seven digits.
+const CURVED: f64 = 1e-6;
 
 /// The curved edges, sorted; `mids` are places in the file's list of nodes, `tets` vertices, `vertices` the place of each.
 ///
@@ -30,14 +31,13 @@ pub(super) fn at_edges(
         for ([i, j], &node) in EDGES.into_iter().zip(nodes) {
             let edge = sorted2([tet[i], tet[j]]);
             let [p, q] = edge.map(|v| at(vertices[v as usize]));
-            if at(node).distance(p.midpoint(q)) > CURVED * p.distance(q) {
-                curved.push((Midside { edge, position: at(node) }, cell));
-            }
+            let straight = at(node).distance(p.midpoint(q)) <= CURVED * p.distance(q);
+            curved.push((Midside { edge, position: at(node) }, cell, straight));
         }
     }
-    curved.sort_unstable_by_key(|(m, cell)| (m.edge, *cell));
+    curved.sort_unstable_by_key(|(m, cell, _)| (m.edge, *cell));
     for pair in curved.windows(2) {
-        let [(a, _), (b, cell)] = [pair[0], pair[1]];
+        let [(a, ..), (b, cell, _)] = [pair[0], pair[1]];
         let [p, q] = a.edge.map(|v| at(vertices[v as usize]));
         if a.edge == b.edge && a.position.distance(b.position) > CURVED * p.distance(q) {
             let ends = a.edge.map(|v| raw.nodes.ids.get(vertices[v as usize] as usize));
@@ -53,7 +53,7 @@ pub(super) fn at_edges(
             return Err(error_at(path, place, message, "cells that share an edge must share its mid-side node"));
         }
     }
-    let mut curved: Vec<Midside> = curved.into_iter().map(|(m, _)| m).collect();
+    let mut curved: Vec<Midside> = curved.into_iter().filter(|(.., straight)| !straight).map(|(m, ..)| m).collect();
     curved.dedup_by_key(|m| m.edge);
     Ok(curved)
 }
