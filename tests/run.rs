@@ -211,6 +211,46 @@ fn run_and_compare_do_not_mix() {
     assert!(command("run", &["refine.steps=0"]).len() < run.len() + 1);
 }
 
+/// A run whose folder holds its own mesh, or files that no run wrote, leaves all as it was.
+#[test]
+fn results_replace_nothing_but_earlier_results() {
+    let folder = folder();
+    let at = |file: &str| folder.path().join(file);
+    run(folder.path(), "cell", &["refine.strategy=adaptive", "refine.steps=1"]);
+    let (code, ..) = subsolid(folder.path(), &["compare", "cell.toml", "--output", "cd", "--quiet"]);
+    assert_eq!(code, Some(0));
+    std::fs::create_dir(at("keep")).unwrap();
+    for file in ["keep/view.py", "step_000.vtu", "step_007.vtu"] {
+        std::fs::copy(at("results/cell/step_001.vtu"), at(file)).unwrap();
+    }
+    let push = "loads.push.normal={ direction = [1, 1, 1], angle = 1 }";
+    let refused = |command, mesh: &str, more: &[&str], blamed: &str| {
+        let before = ["", "results/cell", "cd", "cd/global", "cd/adaptive", "keep"].map(|f| names(&at(f)));
+        let mesh = format!("mesh.file={mesh}");
+        let arguments = [&[command, "cell.toml", "--set", &mesh, "--set", push, "--quiet"], more].concat();
+        let (code, _, stderr) = subsolid(folder.path(), &arguments);
+        let text = stderr.replace(['\n', '│', ' '], "");
+        assert!(code == Some(6) && text.contains(blamed) && text.contains("--output"), "{stderr}");
+        assert_eq!(["", "results/cell", "cd", "cd/global", "cd/adaptive", "keep"].map(|f| names(&at(f))), before);
+    };
+    refused("run", "results/cell/step_001.vtu", &[], "step_001.vtuisthemesh");
+    refused("run", "cd/global/step_000.vtu", &["--output", "cd"], "step_000.vtuisthemesh");
+    refused("compare", "cd/adaptive/step_000.vtu", &["--output", "cd"], "step_000.vtuisthemesh");
+    refused("run", "step_000.vtu", &["--output", "."], "step_000.vtuisintheway");
+    refused("run", "cell.msh", &["--output", "keep"], "view.pyisintheway");
+    // What no run listed stays, though it has the name of a step.
+    std::fs::remove_file(at("keep/view.py")).unwrap();
+    std::fs::write(at("keep/step_999.vtu"), "mine").unwrap();
+    for _ in 0..2 {
+        let (code, _, stderr) = subsolid(folder.path(), &["run", "cell.toml", "--output", "keep", "--quiet"]);
+        assert_eq!(
+            (code, std::fs::read_to_string(at("keep/step_999.vtu")).unwrap().as_str()),
+            (Some(0), "mine"),
+            "{stderr}"
+        );
+    }
+}
+
 #[test]
 fn check_tells_what_holds_and_what_acts() {
     let folder = folder();

@@ -44,7 +44,7 @@ pub fn compare(scenario: &Scenario, options: &RunOptions, repeat: usize) -> Resu
     }
     let folder = options.folder(scenario);
     ensure_writable_dir(&folder)?;
-    leftovers::remove(&folder, &scenario.path)?;
+    leftovers::for_comparison(&folder, scenario)?;
     let mut global = first_pass(scenario, options, &problem, Strategy::Global, "global")?;
     let mut adaptive = first_pass(scenario, options, &problem, Strategy::Adaptive, "adaptive")?;
     if global.seconds_total + adaptive.seconds_total < SHORT_SECONDS {
