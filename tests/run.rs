@@ -251,6 +251,26 @@ fn results_replace_nothing_but_earlier_results() {
     }
 }
 
+/// A surface inside the solid is named where the mesh is read, and where a load asks for it.
+#[test]
+fn a_group_inside_the_solid_is_named() {
+    let folder = folder();
+    let two = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 7 \"interface\"\n$EndPhysicalNames\n$Nodes\n5\n\
+               1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 0 0 -1\n$EndNodes\n$Elements\n3\n1 2 2 7 1 1 2 3\n\
+               2 4 2 1 1 1 2 3 4\n3 4 2 1 1 1 3 2 5\n$EndElements\n";
+    std::fs::write(folder.path().join("two.msh"), two).unwrap();
+    let scenario = SINGLE
+        .replace("cell.msh", "two.msh")
+        .replace("plane = { normal = [0.0, 0.0, 1.0], offset = 0.0 }", "not = { group = \"interface\" }");
+    std::fs::write(folder.path().join("two.toml"), scenario).unwrap();
+    let (_, stdout, _) = subsolid(folder.path(), &["inspect", "two.msh"]);
+    assert!(stdout.contains("1 triangle is not on the boundary") && stdout.contains("`interface`"), "{stdout}");
+    for command in ["run", "check"] {
+        let (code, _, stderr) = subsolid(folder.path(), &[command, "two.toml"]);
+        assert!(code == Some(5) && stderr.contains("group `interface` lies inside the solid"), "{stderr}");
+    }
+}
+
 #[test]
 fn check_tells_what_holds_and_what_acts() {
     let folder = folder();

@@ -62,7 +62,10 @@ const STRAIGHTENED: &str = "refined meshes have straight edges: from step 1 on t
 /// Reads the mesh, resolves the scenario on it and checks that the supports hold it, before anything is written.
 pub(super) fn prepare(scenario: &Scenario, options: &RunOptions) -> Result<Resolved, Error> {
     let file = load(scenario)?;
-    let mut problem = Resolved { midsides: file.midsides, ..resolve(scenario, file.mesh)? };
+    let mut problem = Resolved {
+        midsides: file.midsides,
+        ..resolve(scenario, file.mesh).map_err(|e| e.with_inner(&file.inner_groups))?
+    };
     if !problem.midsides.is_empty() && scenario.refine.strategy != Strategy::None {
         problem.warnings.push(STRAIGHTENED.to_owned());
     }
