@@ -115,6 +115,34 @@ fn quantities_and_probes_are_told_with_what_they_are_taken_over() {
     assert_eq!(told["probes"][0]["inside"], 11);
 }
 
+/// Numbers of every size stand whole in their lines.
+#[test]
+fn tables_break_no_number() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/cantilever.toml");
+    let name = "loads.the-wind-on-the-mast-of-the-crane";
+    let told = json("check", &path, &[]);
+    let group = told["groups"][0]["name"].as_str().unwrap();
+    for force in ["[-2853.29, 1.23456e-7, -8.76543e-9]", "[1.23456e12, -12345.6, 0.0123456]"] {
+        let settings = [
+            format!("{name}.group={group}"),
+            format!("{name}.force={force}"),
+            "supports.s.spring=1.23456e-7".into(),
+            format!("supports.s.group={group}"),
+        ];
+        let text = subsolid(&["check"], &path, &settings.each_ref().map(String::as_str));
+        for number in force.trim_matches(['[', ']']).split(", ") {
+            assert!(text.split(|c: char| c.is_whitespace() || c == ',').any(|word| word == number), "{number}\n{text}");
+            let total = format!("{:.4e}", number.parse::<f64>().unwrap()).parse::<f64>().unwrap();
+            let is_total = |word: &str| word != number && word.parse() == Ok(total);
+            assert!(text.split_whitespace().any(is_total), "{total}\n{text}");
+        }
+        assert!(
+            text.lines().all(|line| line.trim_end().chars().count() <= 80 || line.starts_with("results")),
+            "{text}"
+        );
+    }
+}
+
 #[test]
 fn every_bundled_scenario_is_told_in_eighty_columns() {
     for path in scenarios() {

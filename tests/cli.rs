@@ -23,6 +23,8 @@ fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in [
         ("lost.toml", "[mesh]\nfile = \"lost.msh\"\n"),
+        ("inline.toml", "mesh = { file = \"lost.msh\" }\n"),
+        ("flat.toml", "mesh.box = { size = [1, 1, 1e-14], cells = [1, 1, 1] }\n"),
         ("typo.toml", "[mesh]\nfiel = \"lost.msh\"\n"),
         ("broken.msh", "MESH dimension 3 ElemType Tetrahedra Nnode 4\nCoordinates\n1 0 0\n"),
         ("broken.toml", "[mesh]\nfile = \"broken.msh\"\n"),
@@ -46,12 +48,14 @@ fn failures_have_their_codes_and_leave_nothing_behind() {
         (&["run", "lost.toml", "typo.toml", "--json", "a.json"], 2, "--json"),
         (&["run", "absent.toml"], 3, "absent.toml"),
         (&["check", "broken.msh"], 3, "is a GiD mesh, not a scenario"),
+        (&["check", "inline.toml"], 4, "lost.msh"),
         (&["run", "typo.toml", "--json", "a.json"], 3, "typo.toml:2:1"),
         (&["check", "lost.toml", "--set", "refine.steps=-1"], 3, "--set refine.steps=-1"),
         (&["run", "lost.toml"], 4, "SUBSOLID_DATA"),
         (&["compare", "broken.toml", "--json", "a.json"], 4, "broken"),
         (&["inspect", "broken.msh", "--json", "a.json"], 4, "broken.msh"),
         (&["check", "lost.toml"], 4, "lost.msh"),
+        (&["check", "flat.toml"], 4, "`mesh.box`"),
     ] {
         let (status, stdout, stderr) = subsolid(folder.path(), arguments);
         assert_eq!(status, Some(code), "{arguments:?}\n{stderr}");

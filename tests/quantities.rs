@@ -202,6 +202,13 @@ fn places_outside_the_mesh_are_refused_with_the_distance() {
     let part = "[quantities.part]\naverage = \"sxx\"\nwithin = { min = [3, 0, 0], max = [4, 1, 1] }\n";
     let (code, message) = refused(&format!("{PULLED}{part}"));
     assert!(code == Some(5) && message.contains("holds nothing") && message.contains("[2, 1, 1]"), "{message}");
+    let bare = PULLED.replace("density", "#");
+    assert!(bare != PULLED);
+    let (code, message) = refused(&format!("{bare}[quantities.m]\ntotal = \"mass\"\n"));
+    assert!(
+        code == Some(5) && message.contains("quantity `m` is a mass") && message.contains("add density"),
+        "{message}"
+    );
     let (code, message) = refused(&format!("{PULLED}[quantities.a]\naverage = \"ux\"\nregion = \"solit\"\n"));
     assert!(code == Some(5) && message.contains("did you mean `solid`?"), "{message}");
 }
@@ -220,6 +227,12 @@ fn tables_that_make_no_sense_are_refused_with_their_place() {
         ("[quantities.q]\naverage = \"ux\"\ngroup = \"x-max\"\nregion = \"solid\"", "faces or cells?"),
         ("[quantities.q]\nreaction = \"x\"\ncomponent = \"x\"\nregion = \"solid\"", "names a place"),
         ("[expect.q]\nvalue = 1\ntolerance = { relative = 0.1 }", "not the name of a quantity"),
+        ("[expect.q]\nvalue = 1\ntolerance = { relative = 0.1 }", "add [quantities.q]"),
+        ("[quantities.q]\ntotal = \"mass\"\n[expect.q]\nvalue = 1", "tolerance = { relative = 0.01 }"),
+        ("[quantities.q]\ntotal = \"mass\"\n[expect.q]\nvalue = 1\ntolerance = 0.1", "{ relative = 0.01 }"),
+        ("[supports.w]\ngroup = \"x-max\"\nfix = \"xyz\"", "fix = [\"x\", \"y\", \"z\"]"),
+        ("[supports.w]\ngroup = \"x-max\"\nfix = [\"xy\"]", "fix = [\"x\", \"y\", \"z\"]"),
+        ("[supports.w]\ngroup = \"x-max\"\ndisplacement = [0, 0, 1]", "displacement = { z = 1.0 }"),
         ("[quantities.q]\ntotal = \"mass\"\n[expect.q]\nvalue = 0\ntolerance = { relative = 0.1 }", "is relative to"),
         ("[quantities.q]\ntotal = \"mass\"\n[expect.q]\nvalue = 1\ntolerance = {}", "must name one bound"),
         ("[probes.p]\nfrom = [0, 0, 0]\nto = [0, 0, 0]\npoints = 5", "is the point it starts"),
@@ -311,6 +324,7 @@ fn the_singularity_of_the_l_prism_bounds_the_order() {
 fn a_known_solution_of_another_solid_is_refused() {
     let (code, message) = refused(&format!("{PULLED}[exact]\nsolution = \"smooth-cube\"\n"));
     assert!(code == Some(5) && message.contains("another solid") && message.contains("[2, 1, 1]"), "{message}");
+    assert!(message.contains("unit cube"), "{message}");
     let (code, message) = refused(&format!("{PULLED}[exact]\nsolution = \"smoth-cube\"\n"));
     assert!(code == Some(3) && message.contains("smooth-cube"), "{message}");
 }

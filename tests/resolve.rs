@@ -121,6 +121,12 @@ fn an_unknown_group_is_listed_and_suggested() {
     let (_, help) = refused(&BASE.replace("\"y-min\"", "\"y_min\""));
     assert!(help.contains("did you mean `y-min`?") && help.contains("y-max"), "{help}");
     assert!(refused(&BASE.replace("\"y-min\"", "\"solid\"")).1.contains("region"));
+    // The group that was made for the plane of a support is none of the mesh's.
+    let plane = BASE.replace("group = \"y-min\"", "plane = { normal = [0, 1, 0], offset = 0 }");
+    for wrong in ["group = \"y_max\"", "sphere = { center = [9, 9, 9], radius = 1 }"] {
+        let (_, help) = refused(&plane.replace("group = \"y-max\"", wrong));
+        assert!(help.contains("y-max") && !help.contains("feet"), "{help}");
+    }
     let (_, help) = refused(&BASE.replace("poissons_ratio = 0.3", "group = \"solit\"\npoissons_ratio = 0.3"));
     assert!(help.contains("did you mean `solid`?"), "{help}");
 }
@@ -171,7 +177,7 @@ fn loads_that_do_nothing_are_warned_of() {
     assert!(resolved("", &[]).unwrap().warnings.is_empty());
     warned(&["loads.push.traction=[0, 0, 0]"], "is zero");
     warned(&["loads.push.traction=[0, 0, 0]"], "nothing loads the model");
-    warned(&["loads.push.group=y-min"], "fixed vertices only");
+    warned(&["loads.push.group=y-min"], "fixed vertices only: supports take it");
     warned(&["loads.pull.group=y-max", "loads.pull.force=[0, 2, 0]"], "cancel out");
 }
 

@@ -211,6 +211,66 @@ fn run_and_compare_do_not_mix() {
     assert!(command("run", &["refine.steps=0"]).len() < run.len() + 1);
 }
 
+/// A run whose folder holds its own mesh, or files that no run wrote, leaves all as it was.
+#[test]
+fn results_replace_nothing_but_earlier_results() {
+    let folder = folder();
+    let at = |file: &str| folder.path().join(file);
+    run(folder.path(), "cell", &["refine.strategy=adaptive", "refine.steps=1"]);
+    let (code, ..) = subsolid(folder.path(), &["compare", "cell.toml", "--output", "cd", "--quiet"]);
+    assert_eq!(code, Some(0));
+    std::fs::create_dir(at("keep")).unwrap();
+    for file in ["keep/view.py", "step_000.vtu", "step_007.vtu"] {
+        std::fs::copy(at("results/cell/step_001.vtu"), at(file)).unwrap();
+    }
+    let push = "loads.push.normal={ direction = [1, 1, 1], angle = 1 }";
+    let refused = |command, mesh: &str, more: &[&str], blamed: &str| {
+        let before = ["", "results/cell", "cd", "cd/global", "cd/adaptive", "keep"].map(|f| names(&at(f)));
+        let mesh = format!("mesh.file={mesh}");
+        let arguments = [&[command, "cell.toml", "--set", &mesh, "--set", push, "--quiet"], more].concat();
+        let (code, _, stderr) = subsolid(folder.path(), &arguments);
+        let text = stderr.replace(['\n', '│', ' '], "");
+        assert!(code == Some(6) && text.contains(blamed) && text.contains("--output"), "{stderr}");
+        assert_eq!(["", "results/cell", "cd", "cd/global", "cd/adaptive", "keep"].map(|f| names(&at(f))), before);
+    };
+    refused("run", "results/cell/step_001.vtu", &[], "step_001.vtuisthemesh");
+    refused("run", "cd/global/step_000.vtu", &["--output", "cd"], "step_000.vtuisthemesh");
+    refused("compare", "cd/adaptive/step_000.vtu", &["--output", "cd"], "step_000.vtuisthemesh");
+    refused("run", "step_000.vtu", &["--output", "."], "step_000.vtuisintheway");
+    refused("run", "cell.msh", &["--output", "keep"], "view.pyisintheway");
+    // What no run listed stays, though it has the name of a step.
+    std::fs::remove_file(at("keep/view.py")).unwrap();
+    std::fs::write(at("keep/step_999.vtu"), "mine").unwrap();
+    for _ in 0..2 {
+        let (code, _, stderr) = subsolid(folder.path(), &["run", "cell.toml", "--output", "keep", "--quiet"]);
+        assert_eq!(
+            (code, std::fs::read_to_string(at("keep/step_999.vtu")).unwrap().as_str()),
+            (Some(0), "mine"),
+            "{stderr}"
+        );
+    }
+}
+
+/// A surface inside the solid is named where the mesh is read, and where a load asks for it.
+#[test]
+fn a_group_inside_the_solid_is_named() {
+    let folder = folder();
+    let two = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 7 \"interface\"\n$EndPhysicalNames\n$Nodes\n5\n\
+               1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 0 0 -1\n$EndNodes\n$Elements\n3\n1 2 2 7 1 1 2 3\n\
+               2 4 2 1 1 1 2 3 4\n3 4 2 1 1 1 3 2 5\n$EndElements\n";
+    std::fs::write(folder.path().join("two.msh"), two).unwrap();
+    let scenario = SINGLE
+        .replace("cell.msh", "two.msh")
+        .replace("plane = { normal = [0.0, 0.0, 1.0], offset = 0.0 }", "not = { group = \"interface\" }");
+    std::fs::write(folder.path().join("two.toml"), scenario).unwrap();
+    let (_, stdout, _) = subsolid(folder.path(), &["inspect", "two.msh"]);
+    assert!(stdout.contains("1 triangle is not on the boundary") && stdout.contains("`interface`"), "{stdout}");
+    for command in ["run", "check"] {
+        let (code, _, stderr) = subsolid(folder.path(), &[command, "two.toml"]);
+        assert!(code == Some(5) && stderr.contains("group `interface` lies inside the solid"), "{stderr}");
+    }
+}
+
 #[test]
 fn check_tells_what_holds_and_what_acts() {
     let folder = folder();

@@ -280,7 +280,9 @@ fn incompressible_is_refused_and_nearly_so_is_warned_of() {
     let fault = refuse(&BASE.replace("0.3", "0.5"), &[]);
     assert_eq!((fault.key.as_str(), labelled(&fault)), ("materials.steel.poissons_ratio", "0.5"));
     assert!(fault.message.contains("incompressible"));
-    assert!(accept(&BASE.replace("0.3", "0.495"), &[]).warnings[0].contains("lock"));
+    let rubber = BASE.replace("0.3", "0.495");
+    assert!(accept(&rubber, &[]).warnings[0].contains("lock"));
+    assert!(accept(&rubber, &["analysis.element=tet10"]).warnings.is_empty());
 }
 
 #[test]
@@ -415,10 +417,31 @@ fn red_refinement_is_not_adaptive() {
 fn longest_edge_bisection_is_adaptive_unless_told_otherwise() {
     let s = accept(BASE, &["refine.scheme=longest-edge", "refine.boundary=interpolating"]);
     assert_eq!((s.refine.strategy, s.refine.options.scheme), (Strategy::Adaptive, Scheme::LongestEdge));
-    assert!(!s.warnings.iter().any(|w| w.contains("boundary")), "bisection keeps the surface whatever the rule");
+    let moves = s.warnings.iter().any(|w| w.contains("moves the surface"));
+    assert!(!moves, "bisection keeps the surface whatever the rule");
     let s = accept(BASE, &["refine.scheme=sqrt3", "refine.boundary=interpolating"]);
     assert_eq!(s.refine.options.boundary, Boundary::Interpolating);
     assert!(s.warnings.iter().any(|w| w.contains("\"interpolating\" moves the surface")));
+}
+
+#[test]
+fn a_boundary_rule_without_effect_is_warned_of() {
+    for scheme in ["red", "longest-edge"] {
+        let scheme = format!("refine.scheme={scheme}");
+        let warnings = accept(BASE, &[&scheme, "refine.boundary=approximating"]).warnings;
+        assert!(warnings.len() == 1 && warnings[0].contains("no effect"), "{warnings:?}");
+        assert!(accept(BASE, &[&scheme]).warnings.is_empty());
+    }
+    let warnings = accept(BASE, &["refine.boundary=approximating"]).warnings;
+    assert!(warnings.len() == 1 && warnings[0].contains("moves the surface"), "{warnings:?}");
+}
+
+#[test]
+fn a_tube_needs_three_cells_around() {
+    let tube = BASE.replace("file = \"part.msh\"", "tube = { radii = [1, 2], length = 1, cells = [1, 2, 1] }");
+    let fault = refuse(&tube, &[]);
+    assert_eq!((fault.key.as_str(), labelled(&fault)), ("mesh.tube.cells", "[1, 2, 1]"));
+    assert!(fault.message.contains("three"), "{}", fault.message);
 }
 
 #[test]

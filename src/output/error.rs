@@ -18,6 +18,20 @@ pub enum OutputError {
         /// What the operating system said.
         source: io::Error,
     },
+    /// A file that no earlier run wrote has the name of a result.
+    #[error("{path} is in the way: a result has this name, and no earlier run wrote this file", path = path.display())]
+    #[diagnostic(help("choose another folder by --output, or move the file away; nothing was removed or written"))]
+    InTheWay {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The mesh to compute on is a result of an earlier run that this run would remove.
+    #[error("{path} is the mesh of this run, and a result of an earlier one that would be removed", path = path.display())]
+    #[diagnostic(help("choose another folder by --output; nothing was removed or written"))]
+    Input {
+        /// The file.
+        path: PathBuf,
+    },
     /// A field does not fit the mesh; a programming error of the caller.
     #[error("cannot write {path}: {field:?} has {got} values, the mesh asks for {want}", path = path.display())]
     Length {

@@ -248,6 +248,16 @@ pub fn figures(x: f64, digits: usize) -> String {
     }
 }
 
+/// A number with at most so many significant figures and no zeros behind them; small and large ones in scientific notation.
+#[must_use]
+pub fn short(x: f64, digits: usize) -> String {
+    let scientific = format!("{x:.*e}", digits.saturating_sub(1));
+    // The nearest number of so many figures prints with these figures.
+    let x = scientific.parse().unwrap_or(x);
+    let plain = x == 0.0 || (1e-4..1e9).contains(&x.abs());
+    if plain || !x.is_finite() { x.to_string() } else { format!("{x:e}") }
+}
+
 /// A fraction in percent, with three significant figures.
 #[must_use]
 pub fn percent(x: f64) -> String {
@@ -263,6 +273,21 @@ mod tests {
     use super::super::compare::ratios;
     use super::super::report::tests::{report, step};
     use super::*;
+
+    #[test]
+    fn short_numbers_keep_their_figures_and_nothing_else() {
+        for (x, want) in [
+            (0.0, "0"),
+            (-2.0, "-2"),
+            (0.1 + 0.2, "0.3"),
+            (7.85e-9, "7.85e-9"),
+            (210e9, "2.1e11"),
+            (0.000_001_906_670_000_000_000_1, "1.90667e-6"),
+            (123_456_789.0, "123457000"),
+        ] {
+            assert_eq!(short(x, 6), want);
+        }
+    }
 
     #[test]
     fn numbers_are_rounded_to_significant_figures() {

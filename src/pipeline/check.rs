@@ -4,15 +4,18 @@ use super::describe::{self, MeshDetails, word};
 use super::forecast::{self, Forecast};
 use super::inspect::{describe_groups, describe_mesh};
 use super::resolve::{Resolved, check_supports, choose_materials};
-use super::{RunOptions, load, print, resolve, table, wrapped};
+use super::{RunOptions, load, print, resolve, table, unbroken, wrapped};
 use crate::error::Error;
-use crate::field::Field;
 use crate::mesh::TetMesh;
 use crate::output::options::Units;
 use crate::output::report::write_json;
-use crate::output::table::{count, figures, units};
+use crate::output::table::{count, figures, short, units};
 use crate::scenario::{Material, Refine, Scenario, Strategy};
+use crate::subdiv::options::Scheme;
 use std::time::Instant;
+
+/// Figures of a number that a scenario gives.
+const DIGITS: usize = 6;
 
 /// Reads a scenario's mesh, resolves its selectors and prints what a run would do.
 ///
@@ -22,7 +25,7 @@ pub fn check(scenario: &Scenario, options: &RunOptions) -> Result<(), Error> {
     let start = Instant::now();
     let file = load::load(scenario)?;
     let given_groups = file.mesh.groups().len();
-    let resolved = resolve::resolve(scenario, file.mesh)?;
+    let resolved = resolve::resolve(scenario, file.mesh).map_err(|e| e.with_inner(&file.inner_groups))?;
     check_supports(scenario, &resolved)?;
     let forecast = Forecast::of(scenario, &resolved.mesh);
     if let Some(path) = &options.json {
@@ -67,16 +70,16 @@ pub fn check(scenario: &Scenario, options: &RunOptions) -> Result<(), Error> {
 fn describe_materials(scenario: &Scenario, mesh: &TetMesh) -> Result<String, Error> {
     let mut rows = table(&["region", "material", "Young's modulus", "Poisson's ratio", "density"]);
     for (region, m) in mesh.region_names().iter().zip(choose_materials(&scenario.materials, mesh)?) {
-        let density = m.density.map_or_else(|| "-".to_owned(), |d| d.to_string());
+        let density = m.density.map_or_else(|| "-".to_owned(), |d| short(d, DIGITS));
         rows.add_row([
             region.clone(),
             m.name.clone(),
-            m.youngs_modulus.to_string(),
-            m.poissons_ratio.to_string(),
+            short(m.youngs_modulus, DIGITS),
+            short(m.poissons_ratio, DIGITS),
             density,
         ]);
     }
-    Ok(format!("\n{rows}\n"))
+    Ok(format!("\n{}\n", unbroken(rows)))
 }
 
 /// What `--json` holds.
@@ -120,24 +123,25 @@ fn describe_selections(resolved: &Resolved) -> Result<String, Error> {
     let mut held = table(&["support", "faces", "area", "vertices", "x", "y", "z"]);
     for s in describe::supports(resolved) {
         let [x, y, z] = std::array::from_fn(|c| match (&s.displacement[c], s.spring[c]) {
-            (Some(u), _) => u.to_string(),
+            (Some(u), _) => u.constant().map_or_else(|| u.to_string(), |x| short(x, DIGITS)),
             (None, 0.0) => "free".to_owned(),
-            (None, k) => format!("spring {k}"),
+            (None, k) => format!("spring {}", short(k, DIGITS)),
         });
         let (faces, area) =
-            if s.faces == 0 { ("-".to_owned(), "-".to_owned()) } else { (s.faces.to_string(), figures(s.area, 6)) };
+            if s.faces == 0 { ("-".to_owned(), "-".to_owned()) } else { (s.faces.to_string(), figures(s.area, 5)) };
         held.add_row([s.name, faces, area, s.vertices.to_string(), x, y, z]);
     }
-    let mut acts = table(&["load", "kind", "value", "faces", "area", "total x", "y", "z"]);
+    let mut acts = table(&["load", "is", "faces", "area", "total x", "y", "z"]);
     for l in describe::loads(resolved)? {
-        let value: Vec<String> = l.value.iter().map(Field::to_string).collect();
-        let [x, y, z] = l.total_force.map(|f| figures(f, 6));
+        let value = l.value.iter().map(|v| v.constant().map_or_else(|| v.to_string(), |x| short(x, DIGITS)));
+        let value = value.collect::<Vec<String>>().join(", ");
+        let [x, y, z] = l.total_force.map(|f| figures(f, 5));
         let extent = |text: String| if l.faces == 0 { "-".to_owned() } else { text };
-        let (faces, area) = (extent(l.faces.to_string()), extent(figures(l.area, 6)));
+        let (faces, area) = (extent(l.faces.to_string()), extent(figures(l.area, 5)));
         let kind = l.point.map_or(l.kind.to_owned(), |[x, y, z]| format!("at ({x}, {y}, {z})"));
-        acts.add_row([l.name, kind, value.join(", "), faces, area, x, y, z]);
+        acts.add_row([l.name, format!("{kind} {value}"), faces, area, x, y, z]);
     }
-    Ok(format!("\n{held}\n\n{acts}\n"))
+    Ok(format!("\n{}\n\n{}\n", unbroken(held), unbroken(acts)))
 }
 
 /// Quantities and probes, with what they are taken over; nothing if there are none.
@@ -151,7 +155,7 @@ fn describe_wishes(scenario: &Scenario, resolved: &Resolved) -> String {
         wanted.add_row([q.name, q.what, faces.or(volume).or(point).unwrap_or_else(|| "-".to_owned())]);
     }
     if !wanted.is_empty() {
-        text += &format!("\n{wanted}\n");
+        text += &format!("\n{}\n", unbroken(wanted));
     }
     let mut lines = table(&["probe", "from", "to", "points", "in the part"]);
     for p in describe::probes(scenario, &resolved.mesh) {
@@ -159,7 +163,7 @@ fn describe_wishes(scenario: &Scenario, resolved: &Resolved) -> String {
         lines.add_row([p.name, from, to, p.points.to_string(), p.inside.to_string()]);
     }
     if !lines.is_empty() {
-        text += &format!("\n{lines}\n");
+        text += &format!("\n{}\n", unbroken(lines));
     }
     text
 }
@@ -191,7 +195,12 @@ fn rough(n: usize) -> usize {
 /// The plan of refinement in a sentence or two.
 fn describe_refinement(scenario: &Scenario) -> String {
     let Refine { strategy, steps, options, stop } = &scenario.refine;
-    let (scheme, boundary) = (word(&options.scheme), word(&options.boundary));
+    let scheme = word(&options.scheme);
+    // Of the schemes, sqrt(3) alone has a rule for the boundary.
+    let boundary = match options.scheme {
+        Scheme::Sqrt3 => format!(", boundary {}", word(&options.boundary)),
+        Scheme::Red | Scheme::LongestEdge => String::new(),
+    };
     let plan = match strategy {
         Strategy::None => return "refinement: none".to_owned(),
         Strategy::Global => "all cells".to_owned(),
@@ -208,5 +217,5 @@ fn describe_refinement(scenario: &Scenario) -> String {
     ];
     let rules: Vec<String> = rules.into_iter().flatten().collect();
     let stop = if rules.is_empty() { String::new() } else { format!(", ends early at {}", rules.join(" or ")) };
-    format!("refinement: {scheme}, {plan}, boundary {boundary}, at most {steps} steps{stop}")
+    format!("refinement: {scheme}, {plan}{boundary}, at most {steps} steps{stop}")
 }

@@ -16,7 +16,7 @@ use crate::scenario::{Scenario, Strategy};
 use crate::subdiv::options::Scheme;
 
 /// A pass over both strategies that takes longer than this is not repeated.
-const SHORT_SECONDS: f64 = 30.0;
+const SHORT_SECONDS: f64 = 10.0;
 
 /// Below this mean of a step's computing seconds, three passes are not enough against the noise of the clock.
 const VERY_SHORT_STEP: f64 = 0.05;
@@ -44,7 +44,7 @@ pub fn compare(scenario: &Scenario, options: &RunOptions, repeat: usize) -> Resu
     }
     let folder = options.folder(scenario);
     ensure_writable_dir(&folder)?;
-    leftovers::remove(&folder, &scenario.path)?;
+    leftovers::for_comparison(&folder, scenario)?;
     let mut global = first_pass(scenario, options, &problem, Strategy::Global, "global")?;
     let mut adaptive = first_pass(scenario, options, &problem, Strategy::Adaptive, "adaptive")?;
     if global.seconds_total + adaptive.seconds_total < SHORT_SECONDS {

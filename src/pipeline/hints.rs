@@ -1,36 +1,35 @@
 //! What to say when a selector finds nothing.
 
-use super::select;
+use super::{select, span};
 use crate::mesh::{TetMesh, features::face_normal};
 use crate::scenario::{Selector, suggest};
 
-/// The groups there are, with the nearest name first.
-pub(super) fn unknown_group(mesh: &TetMesh, name: &str) -> String {
+/// The first `own` groups, which are the mesh's own, with the nearest name first.
+pub(super) fn unknown_group(mesh: &TetMesh, own: usize, name: &str) -> String {
     if mesh.region_names().iter().any(|r| r == name) {
         return format!(
             "`{name}` is a region (of cells), but supports and loads act on boundary faces; {}",
-            groups(mesh)
+            groups(mesh, own)
         );
     }
-    let names: Vec<&str> = mesh.groups().iter().map(String::as_str).collect();
-    if names.is_empty() { groups(mesh) } else { suggest::help(name, "groups of this mesh", &names) }
+    let names: Vec<&str> = mesh.groups()[..own].iter().map(String::as_str).collect();
+    if names.is_empty() { groups(mesh, own) } else { suggest::help(name, "groups of this mesh", &names) }
 }
 
 /// How far the parts of a selector miss the boundary, and what there is.
-pub(super) fn empty_selection(mesh: &TetMesh, selector: &Selector) -> String {
+pub(super) fn empty_selection(mesh: &TetMesh, own: usize, selector: &Selector) -> String {
     let mut misses = Vec::new();
     collect_misses(mesh, selector, &mut misses);
     if misses.is_empty() {
         misses.push("each part of the selector matches faces, but no face matches the whole".to_owned());
     }
-    let (lo, hi) = mesh.bounding_box();
-    misses.push(format!("the model spans {lo} to {hi}"));
-    misses.push(groups(mesh));
+    misses.push(format!("the model spans {}", span(mesh)));
+    misses.push(groups(mesh, own));
     misses.join("\n")
 }
 
-fn groups(mesh: &TetMesh) -> String {
-    match mesh.groups() {
+fn groups(mesh: &TetMesh, own: usize) -> String {
+    match &mesh.groups()[..own] {
         [] => "the mesh has no groups of boundary faces".to_owned(),
         names => format!("groups of this mesh: {}", names.join(", ")),
     }

@@ -1,7 +1,7 @@
 //! `subsolid inspect`: what a mesh file holds.
 
 use super::describe::{self, MeshDetails, Region};
-use super::{load, print, select, table, wrapped};
+use super::{load, print, select, span, table, wrapped};
 use crate::error::Error;
 use crate::mesh::{GroupId, TetMesh, features, quality, read, topology};
 use crate::output::report::write_json;
@@ -52,7 +52,6 @@ const MEASURES: [(&str, quality::CellMeasure); 3] = [
 /// Counts, size and quality.
 pub(super) fn describe_mesh(mesh: &TetMesh, format: &str) -> String {
     let q = quality::quality(mesh);
-    let (lo, hi) = mesh.bounding_box();
     let (feature_edges, length) = features::feature_count_and_length(mesh);
     let (_, parts) = topology::parts(mesh.tets());
     let mut rows = table(&["mesh", format]);
@@ -66,7 +65,7 @@ pub(super) fn describe_mesh(mesh: &TetMesh, format: &str) -> String {
     row("feature edges", format!("{feature_edges}, total length {length:.6}"));
     row("connected parts", parts.to_string());
     row("volume", format!("{:.6}", mesh.volume()));
-    row("bounding box", format!("{lo} to {hi}"));
+    row("bounding box", span(mesh));
     row(
         "minimum dihedral angles",
         format!("worst {:.2}, average {:.2}, best {:.2} degrees", q.worst, q.average, q.best),

@@ -1,49 +1,91 @@
-//! Files that an earlier run or comparison left in a folder of results: removed by name, and nothing else.
+//! Room for new results: what an earlier run or comparison left in a folder is removed, and nothing else.
+//!
+//! A folder is one of results if a file in it shows that ([`MARKS`]). There the names of [`FILES`] are ours, the steps that
+//! `results.pvd` lists and the probes of `scenario.toml`. Everything else is the user's: it is never removed, and nothing
+//! is written over it.
 
+use super::load::find;
+use super::quantities::probe_file;
+use super::results::step_file;
 use crate::output::OutputError;
+use crate::scenario::{MeshSource, Scenario};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// The files that runs and comparisons write, but for those of the steps.
-const FILES: [&str; 11] = [
-    "results.pvd",
+/// The files of a run, but for its steps and probes.
+const RUN: [&str; 9] = [
     "view.py",
     "report.json",
     "table.txt",
+    "error_dofs.svg",
+    "error_seconds.svg",
+    "dihedral_angles.svg",
+    "cell_errors.svg",
+    "results.pvd",
     "scenario.toml",
-    "compare.json",
+];
+
+/// The files of a comparison, but for its two runs.
+const COMPARISON: [&str; 4] = ["compare.txt", "error_dofs.svg", "error_seconds.svg", "compare.json"];
+
+/// All names that are ours in a folder of results, those that mark it last: a removal that is cut off can be taken up again.
+const FILES: [&str; 11] = [
+    "view.py",
+    "table.txt",
     "compare.txt",
     "error_dofs.svg",
     "error_seconds.svg",
     "dihedral_angles.svg",
     "cell_errors.svg",
+    "report.json",
+    "compare.json",
+    "results.pvd",
+    "scenario.toml",
+];
+
+/// The files that show that a folder is one of results, and words that they hold then.
+const MARKS: [(&str, &str); 4] = [
+    ("results.pvd", "file=\"step_"),
+    ("report.json", "\"stop_reason\""),
+    ("compare.json", "\"stop_reason\""),
+    ("scenario.toml", " as it was run"),
 ];
 
 /// The folders of a comparison.
 const FOLDERS: [&str; 2] = ["global", "adaptive"];
 
-/// Removes our files from a folder, and a comparison's folders if they hold nothing but our files. Whatever its name, the
-/// file `keep` stays: the scenario that is run may lie in the folder.
+/// Makes room for a run in a folder: removes the files of an earlier run or comparison, and a comparison's folders if they
+/// hold nothing else. The scenario itself, which may lie in the folder, stays.
 ///
 /// # Errors
-/// [`OutputError::Write`] names what cannot be removed.
-pub(super) fn remove(folder: &Path, keep: &Path) -> Result<(), OutputError> {
-    for file in ours(folder)?.0 {
-        if !is_same(&file, keep) {
-            fs::remove_file(&file).map_err(|e| OutputError::write(&file, e))?;
-        }
-    }
+/// Before anything is removed, [`OutputError::InTheWay`] names a file of the user's that the run would write over, and
+/// [`OutputError::Input`] the scenario's mesh if it is among the files to remove; [`OutputError::Write`] names what cannot
+/// be removed.
+pub(super) fn for_run(folder: &Path, scenario: &Scenario) -> Result<(), OutputError> {
+    let mut old = Old::default();
+    old.take(folder, &run_files(scenario), scenario)?;
     for folder in FOLDERS.map(|name| folder.join(name)) {
-        if !folder.is_dir() || folder.is_symlink() {
-            continue;
-        }
-        let (files, others) = ours(&folder)?;
-        if others == 0 && !files.iter().any(|file| is_same(file, keep)) {
-            fs::remove_dir_all(&folder).map_err(|e| OutputError::write(&folder, e))?;
+        let files = ours(&folder, scenario)?;
+        if !folder.is_symlink() && !files.is_empty() && entries(&folder)?.len() == files.len() {
+            old.files.extend(files);
+            old.folders.push(folder);
         }
     }
-    Ok(())
+    old.remove(scenario)
+}
+
+/// Makes room for a comparison and its two runs.
+///
+/// # Errors
+/// As [`for_run`].
+pub(super) fn for_comparison(folder: &Path, scenario: &Scenario) -> Result<(), OutputError> {
+    let mut old = Old::default();
+    old.take(folder, &COMPARISON.map(str::to_owned), scenario)?;
+    for name in FOLDERS {
+        old.take(&folder.join(name), &run_files(scenario), scenario)?;
+    }
+    old.remove(scenario)
 }
 
 /// Whether two paths lead to one file.
@@ -51,26 +93,92 @@ pub(super) fn is_same(a: &Path, b: &Path) -> bool {
     matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
-/// Our files in a folder, and the number of its other entries.
-fn ours(folder: &Path) -> Result<(Vec<PathBuf>, usize), OutputError> {
-    let entries: io::Result<Vec<fs::DirEntry>> = fs::read_dir(folder).and_then(Iterator::collect);
-    let mut files = Vec::new();
-    let entries = entries.map_err(|e| OutputError::write(folder, e))?;
-    for entry in &entries {
-        let file = entry.file_type().is_ok_and(|kind| kind.is_file());
-        if file && entry.file_name().to_str().is_some_and(is_our_name) {
-            files.push(entry.path());
-        }
-    }
-    let others = entries.len() - files.len();
-    Ok((files, others))
+/// What is to be removed.
+#[derive(Default)]
+struct Old {
+    files: Vec<PathBuf>,
+    folders: Vec<PathBuf>,
 }
 
-fn is_our_name(name: &str) -> bool {
-    let number = name.strip_prefix("step_").and_then(|rest| rest.strip_suffix(".vtu"));
-    let is_step = |n: &str| n.len() >= 3 && n.bytes().all(|b| b.is_ascii_digit());
-    let is_probe = name.starts_with("probe_") && name.ends_with(".csv");
-    FILES.contains(&name) || is_probe || number.is_some_and(is_step)
+impl Old {
+    /// Takes our files in a folder; refuses if another has one of the names that will be `written`.
+    fn take(&mut self, folder: &Path, written: &[String], scenario: &Scenario) -> Result<(), OutputError> {
+        let files = ours(folder, scenario)?;
+        let is_there = |file: &PathBuf| file.symlink_metadata().is_ok();
+        let mut theirs = written.iter().map(|name| folder.join(name)).filter(is_there);
+        match theirs.find(|file| !files.contains(file) && !is_same(file, &scenario.path)) {
+            Some(path) => Err(OutputError::InTheWay { path }),
+            None => {
+                self.files.extend(files);
+                Ok(())
+            }
+        }
+    }
+
+    fn remove(mut self, scenario: &Scenario) -> Result<(), OutputError> {
+        if let MeshSource::File(file) = &scenario.mesh
+            && let Ok(mesh) = find(file, &scenario.directory)
+            && let Some(path) = self.files.iter().find(|file| is_same(file, &mesh))
+        {
+            return Err(OutputError::Input { path: path.clone() });
+        }
+        self.files.retain(|file| !is_same(file, &scenario.path));
+        for file in &self.files {
+            fs::remove_file(file).map_err(|e| OutputError::write(file, e))?;
+        }
+        for folder in &self.folders {
+            if entries(folder)?.is_empty() {
+                fs::remove_dir(folder).map_err(|e| OutputError::write(folder, e))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The names of the files that a run may write.
+fn run_files(scenario: &Scenario) -> Vec<String> {
+    let steps = (0..=scenario.refine.steps).map(step_file);
+    let probes = scenario.probes.iter().map(|p| probe_file(&p.name));
+    RUN.map(str::to_owned).into_iter().chain(steps).chain(probes).collect()
+}
+
+/// The files in a folder that an earlier run or comparison wrote; none if nothing marks it as a folder of results. The
+/// scenario to run is no mark: it may be a copy that the user moved.
+fn ours(folder: &Path, scenario: &Scenario) -> Result<Vec<PathBuf>, OutputError> {
+    let text = |name: &str| fs::read_to_string(folder.join(name)).unwrap_or_default();
+    let marks = |(name, word): (&str, &str)| !is_same(&folder.join(name), &scenario.path) && text(name).contains(word);
+    if !MARKS.into_iter().any(marks) {
+        return Ok(Vec::new());
+    }
+    let mut names = listed_steps(&text("results.pvd"));
+    let probes = text("scenario.toml").parse::<toml::Table>().ok().and_then(|mut table| table.remove("probes"));
+    names.extend(probes.iter().filter_map(toml::Value::as_table).flat_map(toml::Table::keys).map(|p| probe_file(p)));
+    names.extend(FILES.map(str::to_owned));
+    let there = entries(folder)?;
+    Ok(names.into_iter().map(|name| folder.join(name)).filter(|file| there.contains(file) && is_file(file)).collect())
+}
+
+/// The steps that a collection lists.
+fn listed_steps(collection: &str) -> Vec<String> {
+    let names = collection.split("file=\"").skip(1).filter_map(|rest| rest.split_once('"'));
+    let is_step = |name: &&str| {
+        let number = name.strip_prefix("step_").and_then(|rest| rest.strip_suffix(".vtu"));
+        number.is_some_and(|n| n.bytes().all(|b| b.is_ascii_digit()))
+    };
+    names.map(|(name, _)| name).filter(is_step).map(str::to_owned).collect()
+}
+
+fn is_file(path: &Path) -> bool {
+    path.symlink_metadata().is_ok_and(|data| data.is_file())
+}
+
+/// What a folder holds; nothing if it does not exist.
+fn entries(folder: &Path) -> Result<Vec<PathBuf>, OutputError> {
+    if !folder.is_dir() {
+        return Ok(Vec::new());
+    }
+    let entries: io::Result<Vec<fs::DirEntry>> = fs::read_dir(folder).and_then(Iterator::collect);
+    Ok(entries.map_err(|e| OutputError::write(folder, e))?.iter().map(fs::DirEntry::path).collect())
 }
 
 #[cfg(test)]
@@ -78,26 +186,44 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_collection_shows_the_steps_of_its_run_only() {
+        let text = "<DataSet file=\"step_000.vtu\"/><DataSet file=\"../step_001.vtu\"/><DataSet file=\"step_x.vtu\"/>";
+        assert_eq!(listed_steps(text), ["step_000.vtu"]);
+    }
+
+    #[test]
     fn only_our_files_and_folders_of_nothing_else_are_removed() {
         let root = tempfile::tempdir().unwrap();
         let at = |file: &str| root.path().join(file);
-        let ours =
-            ["step_000.vtu", "step_1234.vtu", "report.json", "probe_axis.csv", "global/step_001.vtu", "global/view.py"];
-        let theirs = [
-            "step_.vtu",
-            "step_00.vtu",
-            "step_abc.vtu",
-            "notes.txt",
-            "other.svg",
-            "adaptive/report.json",
-            "adaptive/mine.txt",
-            "more/report.json",
-            "scenario.toml",
+        let steps = "file=\"step_000.vtu\" file=\"step_1234.vtu\"";
+        let ours = [
+            ("step_000.vtu", ""),
+            ("step_1234.vtu", ""),
+            ("report.json", ""),
+            ("results.pvd", steps),
+            ("global/step_000.vtu", ""),
+            ("global/results.pvd", steps),
+            ("global/view.py", ""),
         ];
-        ["global", "adaptive", "more", "table.txt"].iter().for_each(|f| fs::create_dir(at(f)).unwrap());
-        ours.iter().chain(&theirs).for_each(|f| fs::write(at(f), "").unwrap());
-        remove(root.path(), &at("scenario.toml")).unwrap();
-        assert!(ours.iter().all(|f| !at(f).exists()) && !at("global").exists());
-        assert!(theirs.iter().all(|f| at(f).is_file()) && at("table.txt").is_dir());
+        let theirs = [
+            ("step_005.vtu", ""),
+            ("probe_mine.csv", ""),
+            ("notes.txt", ""),
+            ("other.svg", ""),
+            ("adaptive/results.pvd", steps),
+            ("adaptive/mine.txt", ""),
+            ("more/report.json", ""),
+            ("scenario.toml", "# a.toml as it was run\nmesh.box = { size = [1, 1, 1], cells = [1, 1, 1] }\n"),
+        ];
+        ["global", "adaptive", "more"].iter().for_each(|f| fs::create_dir(at(f)).unwrap());
+        ours.iter().chain(&theirs).for_each(|(file, text)| fs::write(at(file), text).unwrap());
+        let scenario = Scenario::from_file(&at("scenario.toml"), &[]).unwrap();
+        for_run(root.path(), &scenario).unwrap();
+        assert!(ours.iter().all(|(file, _)| !at(file).exists()) && !at("global").exists());
+        assert!(theirs.iter().all(|(file, _)| at(file).is_file()));
+
+        fs::write(at("step_000.vtu"), "").unwrap();
+        let error = for_run(root.path(), &scenario).unwrap_err();
+        assert!(matches!(error, OutputError::InTheWay { path } if path == at("step_000.vtu")));
     }
 }

@@ -22,13 +22,23 @@ pub fn load(scenario: &Scenario) -> Result<MeshFile, MeshError> {
             };
             read_with(&find(file, &scenario.directory)?, edges)
         }
-        MeshSource::Box { size, cells } => Ok(made(generate::box_tets(*size, *cells)?, "generated box")),
-        MeshSource::Shape(shape) => Ok(made(generated(*shape)?, "generated")),
+        MeshSource::Box { size, cells } => {
+            Ok(made(generate::box_tets(*size, *cells).map_err(|e| of_key("box", e))?, "generated box"))
+        }
+        MeshSource::Shape(shape) => Ok(made(generated(*shape).map_err(|e| of_key(shape.key(), e))?, "generated")),
     }
 }
 
 fn made(mesh: TetMesh, format: &'static str) -> MeshFile {
-    MeshFile { mesh, format, midsides: Vec::new(), notes: Vec::new() }
+    MeshFile { mesh, format, midsides: Vec::new(), notes: Vec::new(), inner_groups: Vec::new() }
+}
+
+/// The error of a generator, with the key of `[mesh]` that asked for it.
+fn of_key(key: &str, error: MeshError) -> MeshError {
+    match error {
+        MeshError::Generator(problem) => MeshError::Generator(format!("`mesh.{key}`: {problem}")),
+        other => other,
+    }
 }
 
 fn generated(shape: Shape) -> Result<TetMesh, MeshError> {

@@ -24,8 +24,7 @@ pub(super) fn warnings(mesh: &TetMesh, model: &Model) -> Result<Vec<String>, Fem
         if magnitude == 0.0 {
             warnings.push(format!("load `{}` is zero", load.name));
         } else if only_fixed(&forces, &prescribed) {
-            warnings
-                .push(format!("load `{}` acts on fixed vertices only: supports take it, nothing deforms", load.name));
+            warnings.push(format!("load `{}` acts on fixed vertices only: supports take it", load.name));
         }
     }
     let moved = prescribed.iter().any(|p| p.value != 0.0);

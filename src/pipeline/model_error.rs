@@ -108,14 +108,14 @@ pub enum ModelError {
         /// What there is.
         help: String,
     },
-    /// Gravity acts on a material of unknown density.
-    #[error("{place}: load `{load}` is gravity, but {materials} no density")]
+    /// Gravity on a material of unknown density, or its mass.
+    #[error("{place}: {what}, but {materials} no density")]
     #[diagnostic(help("add density = ... (mass per volume, in units that agree with the moduli)"))]
     NoDensity {
-        /// Where the load is written.
+        /// Where the load or quantity is written.
         place: String,
-        /// Its name.
-        load: String,
+        /// The load or quantity, in words.
+        what: String,
         /// "material `a` has" or "materials `a`, `b` have".
         materials: String,
     },
@@ -147,4 +147,17 @@ pub enum ModelError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Fem(#[from] FemError),
+}
+
+impl ModelError {
+    /// The error, with more help if the group it asks for is one of those whose faces all lie inside the solid.
+    pub(super) fn with_inner(mut self, inner_groups: &[String]) -> Self {
+        if let Self::UnknownGroup { group, help, .. } = &mut self
+            && inner_groups.contains(group)
+        {
+            *help =
+                format!("group `{group}` lies inside the solid, but supports and loads act on boundary faces; {help}");
+        }
+        self
+    }
 }

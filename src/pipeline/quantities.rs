@@ -1,14 +1,16 @@
 //! What a scenario asks of a solution, from its words to numbers: quantities, probes, expectations.
 
-use super::ModelError;
 use super::analyse::Analysed;
-use super::resolve::{Resolved, Targets, properties};
+use super::resolve::{Resolved, Targets, check_density, properties};
+use super::{ModelError, span};
 use crate::error::Error;
+use crate::fem::options::{ExactSolution, Total};
 use crate::fem::{self, State, SymTensor};
 use crate::mesh::locate::Locator;
 use crate::mesh::{RegionId, TetMesh};
 use crate::output::csv::write_csv;
 use crate::output::report::{ExpectationRecord, QuantityRecord, Report};
+use crate::output::table::short;
 use crate::scenario::{Cells, Exact, Extent, Material, Probe, Quantity, QuantityKind, Scenario, suggest};
 use glam::DVec3;
 use std::cell::LazyCell;
@@ -24,15 +26,27 @@ const COLUMNS: [&str; 14] =
 /// The quantities of a scenario on its mesh; faces become groups.
 ///
 /// # Errors
-/// [`ModelError`]: a selector or a box that holds nothing, a region or group that does not exist, a point outside.
-pub(super) fn resolve(scenario: &Scenario, targets: &mut Targets) -> Result<Vec<fem::Quantity>, ModelError> {
+/// [`ModelError`]: a selector or a box that holds nothing, a region or group that does not exist, a point outside, the mass
+/// of a material of unknown density.
+pub(super) fn resolve(
+    scenario: &Scenario,
+    chosen: &[&Material],
+    targets: &mut Targets,
+) -> Result<Vec<fem::Quantity>, ModelError> {
     let mut quantities = Vec::new();
     for q in &scenario.quantities {
         let kind = match &q.kind {
             QuantityKind::Average(field, e) => fem::QuantityKind::Average(*field, extent(q, e, targets)?),
             QuantityKind::Maximum(field, e) => fem::QuantityKind::Maximum(*field, extent(q, e, targets)?),
             QuantityKind::Value(field, point) => fem::QuantityKind::Value(*field, *point),
-            QuantityKind::Total(what, c) => fem::QuantityKind::Total(*what, cells(q, c, targets.mesh())?),
+            QuantityKind::Total(what, c) => {
+                let cells = cells(q, c, targets.mesh())?;
+                if *what == Total::Mass {
+                    let materials = cells.region.map_or(chosen, |r| &chosen[usize::from(r.0)..=usize::from(r.0)]);
+                    check_density(format!("quantity `{}` is a mass", q.name), &q.place, materials)?;
+                }
+                fem::QuantityKind::Total(*what, cells)
+            }
             QuantityKind::Reaction(support, component) => {
                 // The scenario was checked to have this support; the model has them in the same order.
                 let index = scenario.supports.iter().position(|s| s.name == *support).unwrap_or(0);
@@ -72,8 +86,7 @@ fn cells(q: &Quantity, cells: &Cells, mesh: &TetMesh) -> Result<fem::Cells, Mode
     if resolved.volume(mesh) > 0.0 {
         return Ok(resolved);
     }
-    let (lo, hi) = mesh.bounding_box();
-    fault("asks for a part that holds nothing of the mesh".to_owned(), format!("the model spans {lo} to {hi}"))
+    fault("asks for a part that holds nothing of the mesh".to_owned(), format!("the model spans {}", span(mesh)))
 }
 
 /// The known solution of a scenario on its mesh.
@@ -96,9 +109,20 @@ pub(super) fn exact(e: &Exact, chosen: &[&Material], targets: &mut Targets) -> R
     let exact = fem::Exact { solution: e.solution, material: properties(first), tractions };
     let (lo, hi) = targets.mesh().bounding_box();
     if !exact.fits(lo, hi) {
-        return fault("is that of another solid", format!("the model spans {lo} to {hi}"));
+        let help = format!("it is known on {}; the model spans {}", body(e.solution), span(targets.mesh()));
+        return fault("is that of another solid", help);
     }
     Ok(exact)
+}
+
+/// The body of a known solution.
+fn body(solution: ExactSolution) -> &'static str {
+    match solution {
+        ExactSolution::SmoothCube => "the unit cube from 0 to 1, such as mesh.box with size = [1, 1, 1]",
+        ExactSolution::LameSphere => "an eighth of a sphere, mesh.sphere-shell with radii = [1, 2]",
+        ExactSolution::Kirsch => "a quarter of a plate, mesh.plate-with-hole with radius = 1 and size = 4",
+        ExactSolution::LPrism => "the L-prism [-1, 1]^2 x [0, 1] without its quarter x, y < 0, mesh.l-prism",
+    }
 }
 
 /// Checks that the points of quantities, and one of each probe at least, lie in the mesh.
@@ -233,7 +257,8 @@ pub(super) fn failed_expectations(report: &Report) -> Option<Error> {
     let failed = report.expectations.iter().filter(|(_, e)| !e.passed);
     let sentence = |(name, e): &(String, ExpectationRecord)| {
         let source = e.source.as_ref().map_or(String::new(), |s| format!(" ({s})"));
-        format!("{name} is {}, expected {} within {}{source}", e.value, e.expected, e.allowed)
+        let [value, expected, allowed] = [(e.value, 12), (e.expected, 12), (e.allowed, 6)].map(|(x, n)| short(x, n));
+        format!("{name} is {value}, expected {expected} within {allowed}{source}")
     };
     let sentences: Vec<String> = failed.map(sentence).collect();
     (!sentences.is_empty()).then(|| Error::Unexpected { sentences: sentences.join("; ") })

@@ -1,6 +1,6 @@
 //! From a scenario and a mesh to a model: selectors become groups, materials find their regions, features are found.
 
-use super::{ModelError, hints, loading, quantities, select};
+use super::{ModelError, hints, loading, quantities, select, span};
 use crate::fem::{self, FemError, Model};
 use crate::field::Field;
 use crate::mesh::midside::Midside;
@@ -42,18 +42,18 @@ pub fn resolve(scenario: &Scenario, mesh: TetMesh) -> Result<Resolved, ModelErro
     if scenario.supports.is_empty() {
         return Err(ModelError::NoSupports);
     }
-    let mut targets = Targets { mesh, selections: Vec::new() };
+    let mut targets = Targets { own: mesh.groups().len(), mesh, selections: Vec::new() };
     let exact = scenario.exact.as_ref().map(|e| quantities::exact(e, &chosen, &mut targets)).transpose()?;
     let supports = scenario.supports.iter().map(|s| targets.support(s, exact)).collect::<Result<Vec<_>, _>>()?;
     let mut loads = Vec::new();
     for load in &scenario.loads {
         if let LoadKind::Gravity(_) = load.kind {
-            check_density(&load.name, &load.place, &chosen)?;
+            check_density(format!("load `{}` is gravity", load.name), &load.place, &chosen)?;
         }
         loads.push(fem::Load { name: load.name.clone(), kind: targets.load(load)? });
     }
-    let quantities = quantities::resolve(scenario, &mut targets)?;
-    let Targets { mesh, selections } = targets;
+    let quantities = quantities::resolve(scenario, &chosen, &mut targets)?;
+    let Targets { mesh, selections, .. } = targets;
     let model = Model { materials: chosen.iter().map(|m| properties(m)).collect(), supports, loads };
     // A known solution brings loads that the model does not list.
     let with_place = |error| with_place(scenario, error);
@@ -125,7 +125,8 @@ fn no_material(mesh: &TetMesh, chosen: &[Option<&Material>], example: &str) -> M
     ModelError::NoMaterial { regions: list.join(", "), help }
 }
 
-fn check_density(load: &str, place: &str, chosen: &[&Material]) -> Result<(), ModelError> {
+/// Refuses `what` asks for densities if a material has none.
+pub(super) fn check_density(what: String, place: &str, chosen: &[&Material]) -> Result<(), ModelError> {
     let mut bare: Vec<String> =
         chosen.iter().filter(|m| m.density.is_none()).map(|m| format!("`{}`", m.name)).collect();
     bare.dedup();
@@ -134,7 +135,7 @@ fn check_density(load: &str, place: &str, chosen: &[&Material]) -> Result<(), Mo
         1 => format!("material {} has", bare[0]),
         _ => format!("materials {} have", bare.join(", ")),
     };
-    Err(ModelError::NoDensity { place: place.to_owned(), load: load.to_owned(), materials })
+    Err(ModelError::NoDensity { place: place.to_owned(), what, materials })
 }
 
 /// The coordinate axis normal to all faces of a group.
@@ -170,14 +171,15 @@ fn check_inside(mesh: &TetMesh, point: DVec3, load: &Load) -> Result<(), ModelEr
     }
     let by_distance = |a: &&DVec3, b: &&DVec3| a.distance(point).total_cmp(&b.distance(point));
     let nearest = mesh.points().iter().min_by(by_distance).copied().unwrap_or(point);
-    let (lo, hi) = mesh.bounding_box();
-    let help = format!("the nearest vertex is {nearest}; the model spans {lo} to {hi}");
+    let help = format!("the nearest vertex is {nearest}; the model spans {}", span(mesh));
     Err(ModelError::PointOutside { place: load.place.clone(), load: load.name.clone(), point, help })
 }
 
 /// The mesh while groups are added to it.
 pub(super) struct Targets {
     mesh: TetMesh,
+    /// How many groups the mesh had at first; the others are of selectors, and nothing that a user could name.
+    own: usize,
     selections: Vec<Selection>,
 }
 
@@ -229,11 +231,11 @@ impl Targets {
     ) -> Result<GroupId, ModelError> {
         let title = format!("{what} `{name}`");
         let selected = select::select(&self.mesh, s).map_err(|unknown| {
-            let help = hints::unknown_group(&self.mesh, &unknown.0);
+            let help = hints::unknown_group(&self.mesh, self.own, &unknown.0);
             ModelError::UnknownGroup { place: place.to_owned(), what: title.clone(), group: unknown.0, help }
         })?;
         if !selected.contains(&true) {
-            let help = hints::empty_selection(&self.mesh, s);
+            let help = hints::empty_selection(&self.mesh, self.own, s);
             return Err(ModelError::EmptySelection { place: place.to_owned(), what: title, help });
         }
         let chosen = || self.mesh.faces().iter().zip(&selected).filter(|(_, chosen)| **chosen).map(|(face, _)| face);

@@ -30,8 +30,8 @@ pub(super) struct Results<'a> {
 }
 
 impl<'a> Results<'a> {
-    /// Makes the folder, removes what an earlier run or comparison left there (beside fewer new files the old ones would be
-    /// taken for results of this run), and writes the scenario so that it runs again.
+    /// Makes the folder and writes the scenario so that it runs again. What an earlier run or comparison left there is to be
+    /// gone: beside fewer new files the old ones would be taken for results of this run.
     ///
     /// # Errors
     /// [`Error::Output`] if the folder cannot be written.
@@ -42,7 +42,6 @@ impl<'a> Results<'a> {
         strategy: Strategy,
     ) -> Result<Self, Error> {
         ensure_writable_dir(&folder)?;
-        leftovers::remove(&folder, &scenario.path)?;
         let results = Self { folder, scenario, problem, files: Vec::new(), angles: Vec::new(), errors: Vec::new() };
         let copy = results.path("scenario.toml");
         if !leftovers::is_same(&copy, &scenario.path) {
@@ -101,7 +100,7 @@ impl<'a> Results<'a> {
                 ],
             ),
         };
-        let name = format!("step_{:03}.vtu", step.index);
+        let name = step_file(step.index);
         write_vtu(&self.path(&name), &step.analysed.space, &fields, output.compression)?;
         self.files.push((fields.time, name));
         Ok(pvd::write_pvd(&self.path("results.pvd"), &self.files)?)
@@ -123,6 +122,11 @@ impl<'a> Results<'a> {
         }
         Ok(())
     }
+}
+
+/// The name of a step's file.
+pub(super) fn step_file(step: usize) -> String {
+    format!("step_{step:03}.vtu")
 }
 
 /// The fields that a scenario wants.

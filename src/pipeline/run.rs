@@ -1,12 +1,14 @@
 //! `subsolid run`: one scenario from its file to its results.
 
 use super::doubts::ending;
+use super::leftovers;
 use super::quantities::failed_expectations;
 use super::resolve::{Resolved, check_supports, resolve};
 use super::results::Results;
 use super::simulate::{Plan, simulate};
 use super::{RunOptions, load::load, print, wrapped};
 use crate::error::Error;
+use crate::output::atomic::ensure_writable_dir;
 use crate::output::plot::{Axis, error_curves};
 use crate::output::progress::Progress;
 use crate::output::report::{Report, StopReason, write_json};
@@ -21,7 +23,10 @@ use std::path::Path;
 /// expects, and [`Error::ToleranceNotReached`] if it asks for an error that was not reached.
 pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<Report, Error> {
     let problem = prepare(scenario, options)?;
-    let mut results = Results::begin(options.folder(scenario), scenario, &problem, scenario.refine.strategy)?;
+    let folder = options.folder(scenario);
+    ensure_writable_dir(&folder)?;
+    leftovers::for_run(&folder, scenario)?;
+    let mut results = Results::begin(folder, scenario, &problem, scenario.refine.strategy)?;
     let plan = Plan {
         scenario,
         strategy: scenario.refine.strategy,
@@ -57,7 +62,10 @@ const STRAIGHTENED: &str = "refined meshes have straight edges: from step 1 on t
 /// Reads the mesh, resolves the scenario on it and checks that the supports hold it, before anything is written.
 pub(super) fn prepare(scenario: &Scenario, options: &RunOptions) -> Result<Resolved, Error> {
     let file = load(scenario)?;
-    let mut problem = Resolved { midsides: file.midsides, ..resolve(scenario, file.mesh)? };
+    let mut problem = Resolved {
+        midsides: file.midsides,
+        ..resolve(scenario, file.mesh).map_err(|e| e.with_inner(&file.inner_groups))?
+    };
     if !problem.midsides.is_empty() && scenario.refine.strategy != Strategy::None {
         problem.warnings.push(STRAIGHTENED.to_owned());
     }

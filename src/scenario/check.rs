@@ -20,11 +20,12 @@ const MAX_BOX_CELLS: usize = 100_000_000;
 pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Scenario> {
     let mut warnings = Vec::new();
     let place = |span: &Range<usize>| document.place(span);
-    let materials = materials(raw.materials.unwrap_or_default(), &place, &mut warnings)?;
+    let materials = materials(raw.materials.unwrap_or_default(), &place)?;
     let supports = actions::supports(raw.supports.unwrap_or_default(), raw.exact.is_some(), &place)?;
     let names: Vec<&str> = supports.iter().map(|s| s.name.as_str()).collect();
     let quantities = wanted::quantities(raw.quantities.unwrap_or_default(), &names, &place)?;
     let element = raw.analysis.and_then(|t| t.value.element).unwrap_or_default();
+    warnings.extend(locking(&materials, element));
     let midside = midside(raw.mesh.as_ref(), element)?;
     Ok(Scenario {
         path: PathBuf::new(),
@@ -124,7 +125,7 @@ fn features(raw: Option<Table<RawFeatures>>) -> Checked<Features> {
 
 type Place<'a> = &'a dyn Fn(&Range<usize>) -> String;
 
-fn materials(raw: Named<RawMaterial>, place: Place, warnings: &mut Vec<String>) -> Checked<Vec<Material>> {
+fn materials(raw: Named<RawMaterial>, place: Place) -> Checked<Vec<Material>> {
     let mut materials: Vec<Material> = Vec::new();
     for (name, table) in raw {
         let group = table.value.group.as_ref().map(|g| g.get_ref().clone());
@@ -133,9 +134,22 @@ fn materials(raw: Named<RawMaterial>, place: Place, warnings: &mut Vec<String>) 
             return Err(Fault::new(span, format!("fills the same regions as `{}`", other.name), "which of the two?")
                 .help("give each material the region it fills: group = \"...\" (at most one may go without)"));
         }
-        materials.push(material(name, &table, group, place, warnings)?);
+        materials.push(material(name, &table, group, place)?);
     }
     Ok(materials)
+}
+
+/// Warnings of materials that linear elements make too stiff.
+fn locking(materials: &[Material], element: Element) -> Vec<String> {
+    let stiff = materials.iter().filter(|m| element == Element::Tet4 && m.poissons_ratio > 0.49);
+    let warning = |m: &Material| {
+        format!(
+            "materials.{}: poissons_ratio = {} is nearly incompressible; linear tetrahedra lock (too stiff) above 0.49: \
+             ten-node ones do not (analysis.element = \"tet10\")",
+            m.name, m.poissons_ratio
+        )
+    };
+    stiff.map(warning).collect()
 }
 
 fn material(
@@ -143,7 +157,6 @@ fn material(
     Table { span, value: raw }: &Table<RawMaterial>,
     group: Option<String>,
     place: Place,
-    warnings: &mut Vec<String>,
 ) -> Checked<Material> {
     let nu = *raw.poissons_ratio.get_ref();
     if nu == 0.5 {
@@ -151,11 +164,6 @@ fn material(
         return Err(fault.help("displacement elements cannot carry it; rubber is usually computed with about 0.49"));
     }
     let poissons_ratio = within(&raw.poissons_ratio, "above -1 and below 0.5", |nu| nu > -1.0 && nu < 0.5)?;
-    if nu > 0.49 {
-        warnings.push(format!(
-            "materials.{name}: poissons_ratio = {nu} is nearly incompressible; linear tetrahedra lock (too stiff) above 0.49"
-        ));
-    }
     Ok(Material {
         place: place(span),
         youngs_modulus: positive(&raw.youngs_modulus)?,
@@ -186,13 +194,17 @@ fn refine(raw: Option<RawRefine>, warnings: &mut Vec<String>) -> Checked<Refine>
     let steps = raw.steps.map(|n| integer(&n, 0..=MAX_STEPS)).transpose()?.unwrap_or(default_steps);
     let optimise = optimise(&raw.optimise.map(|t| t.value).unwrap_or_default())?;
     let boundary = raw.boundary.unwrap_or(Boundary::Fixed);
-    if let (Some(name), Scheme::Sqrt3) = (moving(boundary), scheme)
+    if let Some(name) = moving(boundary)
         && strategy != Strategy::None
     {
-        warnings.push(format!(
-            "refine.boundary = \"{name}\" moves the surface: each step solves another domain, so that energies and errors \
-             of different steps do not compare exactly (\"fixed\" keeps the surface)"
-        ));
+        let effect = match scheme {
+            Scheme::Sqrt3 => {
+                "moves the surface: each step solves another domain, so that energies and errors of different steps do not \
+                 compare exactly (\"fixed\" keeps the surface)"
+            }
+            Scheme::Red | Scheme::LongestEdge => "is for refine.scheme = \"sqrt3\": here it has no effect",
+        };
+        warnings.push(format!("refine.boundary = \"{name}\" {effect}"));
     }
     Ok(Refine { strategy, steps, options: Options { scheme, boundary, optimise, frames: false }, stop })
 }

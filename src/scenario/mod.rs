@@ -284,6 +284,9 @@ fn set(document: &mut toml::Table, name: &str, key: &str, value: toml::Value) {
 /// The format of a text that is a mesh, not a scenario.
 fn mesh_format(text: &str) -> Option<&'static str> {
     let start = text.trim_start();
-    let is_gid = || start.get(..5).is_some_and(|word| word.eq_ignore_ascii_case("mesh "));
+    // A scenario may begin with `mesh = { ... }` or `mesh .file = ...`.
+    let is_key = |rest: &str| rest.trim_start().starts_with(['=', '.']);
+    let is_gid =
+        || start.split_at_checked(5).is_some_and(|(word, rest)| word.eq_ignore_ascii_case("mesh ") && !is_key(rest));
     if start.starts_with("$MeshFormat") { Some("Gmsh") } else { is_gid().then_some("GiD") }
 }

@@ -72,6 +72,23 @@ pub enum Shape {
     },
 }
 
+impl Shape {
+    /// The key of `[mesh]` that asks for it.
+    #[must_use]
+    pub fn key(&self) -> &'static str {
+        match self {
+            Self::LPrism(_) => "l-prism",
+            Self::Fichera(_) => "fichera",
+            Self::Cylinder { .. } => "cylinder",
+            Self::Tube { .. } => "tube",
+            Self::SphereShell { .. } => "sphere-shell",
+            Self::PlateWithHole { .. } => "plate-with-hole",
+            Self::Le10 { .. } => "le10",
+            Self::Prism { .. } => "prism",
+        }
+    }
+}
+
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawUnits {
@@ -150,7 +167,15 @@ fn cylinder(raw: &RawCylinder) -> Checked<Shape> {
 }
 
 fn tube(raw: &RawTube) -> Checked<Shape> {
-    Ok(Shape::Tube { radii: radii(&raw.radii)?, length: positive(&raw.length)?, cells: cells(&raw.cells)? })
+    let (radii, length, cells) = (radii(&raw.radii)?, positive(&raw.length)?, cells(&raw.cells)?);
+    if cells[1] < 3 {
+        return Err(outside(
+            raw.cells.span(),
+            &format!("{cells:?}"),
+            "three cells around the tube at least (the second)",
+        ));
+    }
+    Ok(Shape::Tube { radii, length, cells })
 }
 
 fn shell(raw: &RawShell) -> Checked<Shape> {

@@ -17,6 +17,9 @@ const RESERVED_VALUES: [(&str, &str); 7] = [
     ("fixed-trisection", "fixed"),
 ];
 
+/// How to write `expect.<name>.tolerance`.
+const TOLERANCE: &str = "for example tolerance = { relative = 0.01 } or { absolute = 1e-3 }";
+
 /// How to write the table that asks for a key.
 const EXAMPLES: [(&[&str], &str); 8] = [
     (&["youngs_modulus", "poissons_ratio"], "youngs_modulus = 210e9, poissons_ratio = 0.3"),
@@ -40,7 +43,7 @@ pub(super) fn fault(error: &toml::de::Error, document: &Document<'_>) -> Fault {
     let key = document.key(&span).unwrap_or_default();
     match (message, &words[..]) {
         (m, [given, accepted @ ..]) if m.starts_with("unknown field") => unknown_key(span, &key, given, accepted),
-        (m, [given, accepted @ ..]) if m.starts_with("unknown variant") => unknown_value(span, given, accepted),
+        (m, [given, accepted @ ..]) if m.starts_with("unknown variant") => unknown_value(span, &key, given, accepted),
         (m, [name, ..]) if m.starts_with("missing field") => missing(span, &key, name),
         (m, _) if m.starts_with("invalid") || m.starts_with("wanted") => wrong_type(span, &key, m),
         _ => Fault::new(span, format!("is not valid: {message}"), "here"),
@@ -59,8 +62,9 @@ fn unknown_key(span: Range<usize>, key: &str, given: &str, accepted: &[&str]) ->
     Fault::new(span, format!("is not a key of {table}"), "unknown key").help(help)
 }
 
-fn unknown_value(span: Range<usize>, given: &str, accepted: &[&str]) -> Fault {
+fn unknown_value(span: Range<usize>, key: &str, given: &str, accepted: &[&str]) -> Fault {
     let help = suggest::help(given, "available", accepted);
+    let help = if last(key) == "fix" { format!("{help}; for example fix = [\"x\", \"y\", \"z\"]") } else { help };
     match RESERVED_VALUES.iter().find(|(value, instead)| *value == given && accepted.contains(instead)) {
         Some((_, instead)) => {
             let problem = format!("is {given:?}, which is not available in this version: use {instead:?}");
@@ -72,6 +76,9 @@ fn unknown_value(span: Range<usize>, given: &str, accepted: &[&str]) -> Fault {
 
 fn missing(span: Range<usize>, key: &str, name: &str) -> Fault {
     let fault = Fault::new(span, format!("lacks `{name}`"), format!("`{name}` is missing here"));
+    if name == "tolerance" {
+        return fault.help(TOLERANCE);
+    }
     // `cells` is a key of two tables.
     let fits = |example: &str| key.starts_with("published") == example.starts_with("source");
     match EXAMPLES.iter().find(|(names, example)| names.contains(&name) && fits(example)) {
@@ -89,6 +96,10 @@ fn wrong_type(span: Range<usize>, key: &str, message: &str) -> Fault {
     let (got, expected) = (plain(got), plain(expected));
     let fault = Fault::new(span, format!("must be {expected}, but is {got}"), format!("expected {expected}"));
     match key.split_once('.') {
+        Some(("supports", _)) if last(key) == "displacement" => {
+            fault.help("for example displacement = { z = 1.0 }: directions that are left out stay free")
+        }
+        Some(("expect", _)) if last(key) == "tolerance" => fault.help(TOLERANCE),
         Some((group @ ("materials" | "supports" | "loads" | "quantities" | "probes" | "expect"), name))
             if expected == "a table" && !name.contains('.') =>
         {
@@ -96,6 +107,12 @@ fn wrong_type(span: Range<usize>, key: &str, message: &str) -> Fault {
         }
         _ => fault,
     }
+}
+
+/// The last name of a key, without the index in an array.
+fn last(key: &str) -> &str {
+    let name = key.rsplit_once('.').map_or(key, |(_, name)| name);
+    name.split_once('[').map_or(name, |(name, _)| name)
 }
 
 /// TOML's word for a type of Rust or serde.

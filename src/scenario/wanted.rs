@@ -280,7 +280,10 @@ pub(super) fn expectations(raw: Named<RawExpectation>, quantities: &[Quantity]) 
     let names: Vec<&str> = quantities.iter().map(|q| q.name.as_str()).collect();
     let one = |(quantity, Table { span, value: raw }): (String, Table<RawExpectation>)| {
         if !names.contains(&quantity.as_str()) {
-            let help = suggest::help(&quantity, "quantities", &names);
+            let help = match &names[..] {
+                [] => format!("the scenario has no quantities: add [quantities.{quantity}] ({KINDS})"),
+                names => suggest::help(&quantity, "quantities", names),
+            };
             return Err(Fault::new(span, "is not the name of a quantity", "of which quantity?").help(help));
         }
         let value = finite(&raw.value)?;

@@ -1,7 +1,7 @@
 //! From the lists of a file to a checked mesh: ids resolved, orphans dropped, orientation.
 
 use super::error_at;
-use super::groups::{add_vertex_sets, groups, patches, regions};
+use super::groups::{Groups, add_vertex_sets, groups, patches, regions};
 use super::midsides;
 use super::nodes::{Index, NONE, number_vertices, positions};
 use super::raw::Raw;
@@ -46,14 +46,11 @@ pub(super) fn build(path: &Path, format: &'static str, mut raw: Raw, edges: Edge
     let (regions, region_names) = regions(path, &raw)?;
     let repeated = |cells| repeated(path, cells, &tets, &raw, &vertices);
     let Connection { faces, parts } = topology::connect(&tets).map_err(repeated)?;
-    let (mut tagged, mut groups, ignored) = groups(&raw, &triangles, &faces);
+    let Groups { mut tagged, names: mut groups, ignored, inside } = groups(&raw, &triangles, &faces);
     add_vertex_sets(sets, points.len(), &faces, &mut tagged, &mut groups);
     drop(triangles);
-    if ignored > 0 {
-        let are = |one, many| if ignored == 1 { one } else { many };
-        let (triangles, are) = (are("triangle is", "triangles are"), are("is", "are"));
-        notes.push(format!("{ignored} {triangles} not on the boundary of the solid and {are} ignored."));
-    }
+    notes.extend(not_on_boundary(ignored, &inside));
+    let inner_groups = inside.into_iter().filter(|name| !groups.contains(name)).collect();
     let (faces, patches) = patches(&faces, &tagged);
     let levels = vec![0; tets.len()];
     let lists =
@@ -64,7 +61,7 @@ pub(super) fn build(path: &Path, format: &'static str, mut raw: Raw, edges: Edge
     }
     notes.extend(coincident(&mesh));
     notes.extend(loose_parts(&mesh, parts));
-    Ok(MeshFile { mesh, format, notes, midsides })
+    Ok(MeshFile { mesh, format, notes, midsides, inner_groups })
 }
 
 /// Refuses a tetrahedron, of nodes as places in the file's list, that uses a node twice.
@@ -119,6 +116,16 @@ fn unused(mids: &[[u32; 6]], edges: Edges, curved: &[Midside], vertex_of: &[u32]
         notes.push(format!("{orphans} {belong} dropped."));
     }
     notes
+}
+
+/// Says how many triangles are no boundary faces, and the first five of their groups.
+fn not_on_boundary(count: usize, groups: &[String]) -> Option<String> {
+    let are = |one, many| if count == 1 { one } else { many };
+    let (triangles, are) = (are("triangle is", "triangles are"), are("is", "are"));
+    let shown: Vec<String> = groups.iter().take(5).map(|name| format!("`{name}`")).collect();
+    let more = if groups.len() > shown.len() { ", ..." } else { "" };
+    let of = if shown.is_empty() { String::new() } else { format!(" (of {}{more})", shown.join(", ")) };
+    (count > 0).then(|| format!("{count} {triangles} not on the boundary of the solid and {are} ignored{of}."))
 }
 
 /// Turns all cells round if not one has a positive volume: another convention, not a bad mesh.

@@ -52,36 +52,48 @@ fn number_names(tags: &BTreeSet<i32>, name: impl Fn(i32) -> String) -> (BTreeMap
     (ids, names)
 }
 
-/// Groups of boundary faces, given triangles by vertices: pairs of a face's index and a group (sorted, each once), the
-/// names, and how many triangles are no boundary faces.
+/// The groups of a file.
+pub(super) struct Groups {
+    /// Pairs of a face's index and a group, sorted, each once.
+    pub tagged: Vec<(usize, GroupId)>,
+    /// Their names.
+    pub names: Vec<String>,
+    /// How many triangles are no boundary faces.
+    pub ignored: usize,
+    /// Names of groups that such triangles have, sorted.
+    pub inside: Vec<String>,
+}
+
+/// Groups of boundary faces, given triangles by vertices.
 ///
 /// The tags of the triangles name the groups. A file without any names them by the surfaces of the geometry.
-pub(super) fn groups(
-    raw: &Raw,
-    triangles: &[[u32; 3]],
-    faces: &[[u32; 3]],
-) -> (Vec<(usize, GroupId)>, Vec<String>, usize) {
+pub(super) fn groups(raw: &Raw, triangles: &[[u32; 3]], faces: &[[u32; 3]]) -> Groups {
     let tagged = distinct(&raw.triangles.tags).iter().any(|&tag| tag != 0);
     let tags = if tagged { &raw.triangles.tags } else { &raw.surfaces };
     let find = |v: [u32; 3]| faces.binary_search_by_key(&topology::sorted3(v), |&f| topology::sorted3(f)).ok();
     let mut found: Vec<(usize, i32)> = Vec::new();
-    let mut ignored = 0;
+    let (mut ignored, mut inside) = (0, BTreeSet::new());
     for (&vertices, tag) in triangles.iter().zip(tags.iter()) {
         match Some(vertices).filter(|v| !v.contains(&NONE)).and_then(find) {
             Some(face) => found.push((face, tag as i32)),
-            None => ignored += 1,
+            None => {
+                ignored += 1;
+                inside.insert(tag as i32);
+            }
         }
     }
     found.retain(|(_, tag)| *tag != 0);
     let tags = found.iter().map(|(_, tag)| *tag).collect();
-    let (ids, names) = number_names(&tags, |tag| match raw.group_names.get(&tag) {
+    let name = |tag| match raw.group_names.get(&tag) {
         Some(name) if tagged => name.clone(),
         _ => format!("surface-{tag}"),
-    });
+    };
+    let (ids, names) = number_names(&tags, name);
+    let inside: BTreeSet<String> = inside.into_iter().filter(|&tag| tag != 0).map(name).collect();
     let mut tagged: Vec<(usize, GroupId)> = found.iter().map(|(face, tag)| (*face, GroupId(ids[tag]))).collect();
     tagged.sort_unstable();
     tagged.dedup();
-    (tagged, names, ignored)
+    Groups { tagged, names, ignored, inside: inside.into_iter().collect() }
 }
 
 /// Adds groups of the faces all whose corners a set of vertices holds. Names that groups have already stay theirs.

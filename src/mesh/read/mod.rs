@@ -42,6 +42,8 @@ pub struct MeshFile {
     pub format: &'static str,
     /// The nodes of curved edges, sorted by edge; none unless asked for.
     pub midsides: Vec<Midside>,
+    /// Names of the groups all of whose triangles lie inside the solid, or beside it, sorted: the mesh does not have them.
+    pub inner_groups: Vec<String>,
     /// What a user should know: what was dropped, flipped or ignored, and what looks odd. Whole sentences.
     pub notes: Vec<String>,
 }

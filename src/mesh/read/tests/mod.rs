@@ -194,7 +194,14 @@ fn physical_names_become_regions_and_groups() {
     assert_eq!(area(&mesh, "front side"), 0.5);
     assert!((area(&mesh, "surface-7") - 0.75_f64.sqrt()).abs() < 1e-15);
     assert_eq!(mesh.patch_groups().iter().filter(|groups| **groups == [GroupId(0), GroupId(1)]).count(), 1);
-    assert!(notes.iter().any(|n| n.contains("1 triangle is not on the boundary")), "{notes:?}");
+    assert!(
+        notes.iter().any(|n| n.contains("1 triangle is not on the boundary") && n.contains("`surface-7`")),
+        "{notes:?}"
+    );
+    // One of its triangles is a boundary face; alone in a group, the one inside makes it an inner group.
+    assert!(parse_text(MSH2).unwrap().inner_groups.is_empty());
+    let inner = parse_text(&MSH2.replace("7 2 2 7 13 1 2 3", "7 2 2 8 13 1 2 3")).unwrap();
+    assert_eq!((inner.inner_groups, inner.mesh.groups().len()), (vec!["surface-8".to_owned()], 3));
 }
 
 #[test]
