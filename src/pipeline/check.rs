@@ -25,7 +25,8 @@ pub fn check(scenario: &Scenario, options: &RunOptions) -> Result<(), Error> {
     let start = Instant::now();
     let file = load::load(scenario)?;
     let given_groups = file.mesh.groups().len();
-    let resolved = resolve::resolve(scenario, file.mesh).map_err(|e| e.with_inner(&file.inner_groups))?;
+    let resolved =
+        resolve::resolve_curved(scenario, file.mesh, file.midsides).map_err(|e| e.with_inner(&file.inner_groups))?;
     check_supports(scenario, &resolved)?;
     let forecast = Forecast::of(scenario, &resolved.mesh);
     if let Some(path) = &options.json {

@@ -4,7 +4,7 @@ use super::loading;
 use super::quantities::points_inside;
 use super::resolve::Resolved;
 use super::select;
-use crate::fem::{self, FemError, LoadKind, QuantityKind};
+use crate::fem::{self, FemError, LoadKind, QuantityKind, Space};
 use crate::field::{Field, VectorField};
 use crate::mesh::{GroupId, TetMesh};
 use crate::output::report::MeshReport;
@@ -92,10 +92,11 @@ pub(super) struct Load {
 }
 
 pub(super) fn supports(problem: &Resolved) -> Vec<Support> {
+    let space = problem.space();
     let support = |s: &crate::fem::Support| {
         // Where faces meet there are none.
-        let (faces, area) = if s.meets.is_some() { (0, 0.0) } else { extent(&problem.mesh, s.group) };
-        let vertices = s.nodes(&fem::Space::linear(&problem.mesh)).len();
+        let (faces, area) = if s.meets.is_some() { (0, 0.0) } else { extent(&space, s.group) };
+        let vertices = s.nodes(&Space::linear(&problem.mesh)).len();
         let (displacement, spring) = (s.displacement.clone(), s.stiffness.to_array());
         Support { name: s.name.clone(), faces, area, vertices, displacement, spring }
     };
@@ -105,7 +106,7 @@ pub(super) fn supports(problem: &Resolved) -> Vec<Support> {
 /// # Errors
 /// None on the mesh of the problem, on which every expression was evaluated when it was resolved.
 pub(super) fn loads(problem: &Resolved) -> Result<Vec<Load>, FemError> {
-    let (mesh, model) = (&problem.mesh, &problem.model);
+    let (space, model) = (problem.space(), &problem.model);
     let constant = |v: DVec3| VectorField::from(v).0.to_vec();
     let load = |l: &crate::fem::Load| {
         let (kind, group, value) = match &l.kind {
@@ -117,15 +118,16 @@ pub(super) fn loads(problem: &Resolved) -> Result<Vec<Load>, FemError> {
             LoadKind::Gravity(a) => ("gravity", None, constant(*a)),
         };
         let point = if let LoadKind::PointForce(x, _) = l.kind { Some(x.to_array()) } else { None };
-        let (faces, area) = group.map_or((0, 0.0), |g| extent(mesh, g));
-        let total_force = loading::total(mesh, model, l)?.to_array();
+        let (faces, area) = group.map_or((0, 0.0), |g| extent(&space, g));
+        let total_force = loading::total(&space, model, l)?.to_array();
         Ok(Load { name: l.name.clone(), kind, value, point, faces, area, total_force })
     };
     model.loads.iter().map(load).collect()
 }
 
-fn extent(mesh: &TetMesh, group: GroupId) -> (usize, f64) {
-    (mesh.group_faces(group).count(), select::area(mesh, mesh.group_faces(group)))
+fn extent(space: &Space<'_>, group: GroupId) -> (usize, f64) {
+    let faces = || space.mesh().group_faces(group);
+    (faces().count(), faces().flat_map(|f| space.face_rule(f)).map(|(_, _, area)| area.length()).sum())
 }
 
 /// A quantity: what it is a number of, and of what part of the mesh.
@@ -158,6 +160,7 @@ pub(super) struct Probe {
 
 pub(super) fn quantities(problem: &Resolved) -> Vec<Quantity> {
     let mesh = &problem.mesh;
+    let space = problem.space();
     let quantity = |q: &fem::Quantity| {
         let (what, over) = match q.kind {
             QuantityKind::Average(field, over) => (format!("average of {}", word(&field)), Some(over)),
@@ -168,7 +171,7 @@ pub(super) fn quantities(problem: &Resolved) -> Vec<Quantity> {
                 (format!("reaction of {}, {}", problem.model.supports[support].name, ["x", "y", "z"][c]), None)
             }
         };
-        let faces = if let Some(fem::Extent::Faces(group)) = over { Some(extent(mesh, group)) } else { None };
+        let faces = if let Some(fem::Extent::Faces(group)) = over { Some(extent(&space, group)) } else { None };
         let volume = if let Some(fem::Extent::Cells(cells)) = over { Some(cells.volume(mesh)) } else { None };
         let point = if let QuantityKind::Value(_, x) = q.kind { Some(x.to_array()) } else { None };
         let (faces, area) = faces.unzip();

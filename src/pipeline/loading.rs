@@ -1,7 +1,6 @@
 //! Loads that do less than they seem to.
 
 use crate::fem::{self, FemError, Load, Model, Prescribed, Space};
-use crate::mesh::TetMesh;
 use glam::DVec3;
 
 /// Part of a load's largest nodal force below which a component is rounding.
@@ -11,20 +10,19 @@ const ROUNDING: f64 = 1e-12;
 ///
 /// # Errors
 /// [`FemError`]: an expression of a support or load has no finite value where it acts, or supports contradict each other.
-pub(super) fn warnings(mesh: &TetMesh, model: &Model) -> Result<Vec<String>, FemError> {
-    let space = Space::linear(mesh);
-    let prescribed = fem::prescribed(&space, model)?;
+pub(super) fn warnings(space: &Space<'_>, model: &Model) -> Result<Vec<String>, FemError> {
+    let prescribed = fem::prescribed(space, model)?;
     let mut warnings = Vec::new();
     let (mut total, mut size) = (DVec3::ZERO, 0.0);
     for load in &model.loads {
-        let forces = fem::load_forces(&space, model, load)?;
+        let forces = fem::load_forces(space, model, load)?;
         let magnitude: f64 = forces.iter().map(|f| f.length()).sum();
         total += forces.iter().sum::<DVec3>();
         size += magnitude;
         if magnitude == 0.0 {
             warnings.push(format!("load `{}` is zero", load.name));
         } else if only_fixed(&forces, &prescribed) {
-            warnings.push(format!("load `{}` acts on fixed vertices only: supports take it", load.name));
+            warnings.push(format!("load `{}` acts on fixed nodes only: supports take it", load.name));
         }
     }
     let moved = prescribed.iter().any(|p| p.value != 0.0);
@@ -40,9 +38,9 @@ pub(super) fn warnings(mesh: &TetMesh, model: &Model) -> Result<Vec<String>, Fem
 ///
 /// # Errors
 /// As [`warnings`].
-pub(super) fn idle_supports(mesh: &TetMesh, model: &Model) -> Result<Vec<String>, FemError> {
+pub(super) fn idle_supports(space: &Space<'_>, model: &Model) -> Result<Vec<String>, FemError> {
     let mut busy = vec![false; model.supports.len()];
-    fem::prescribed(&Space::linear(mesh), model)?.iter().for_each(|p| busy[p.support as usize] = true);
+    fem::prescribed(space, model)?.iter().for_each(|p| busy[p.support as usize] = true);
     let idle = model.supports.iter().zip(busy).filter(|(s, busy)| !busy && s.stiffness == DVec3::ZERO);
     Ok(idle.map(|(s, _)| format!("support `{}` holds nothing that others do not hold already", s.name)).collect())
 }
@@ -51,8 +49,8 @@ pub(super) fn idle_supports(mesh: &TetMesh, model: &Model) -> Result<Vec<String>
 ///
 /// # Errors
 /// As [`fem::load_forces`].
-pub(super) fn total(mesh: &TetMesh, model: &Model, load: &Load) -> Result<DVec3, FemError> {
-    Ok(fem::load_forces(&Space::linear(mesh), model, load)?.iter().sum())
+pub(super) fn total(space: &Space<'_>, model: &Model, load: &Load) -> Result<DVec3, FemError> {
+    Ok(fem::load_forces(space, model, load)?.iter().sum())
 }
 
 /// Whether forces act only where the displacement is prescribed.

@@ -1,10 +1,11 @@
 //! From a scenario and a mesh to a model: selectors become groups, materials find their regions, features are found.
 
 use super::{ModelError, hints, loading, quantities, select, span};
-use crate::fem::{self, FemError, Model};
+use crate::fem::options::Element;
+use crate::fem::{self, FemError, Model, Space};
 use crate::field::Field;
 use crate::mesh::midside::Midside;
-use crate::mesh::{GroupId, TetMesh, features, features::face_normal, topology};
+use crate::mesh::{Face, GroupId, TetMesh, features, features::face_normal, topology};
 use crate::output::report::Selection;
 use crate::scenario::{Load, LoadKind, Material, Scenario, Selector, Support, suggest};
 use glam::DVec3;
@@ -20,6 +21,8 @@ pub struct Resolved {
     pub mesh: TetMesh,
     /// Nodes of its curved edges, sorted by edge.
     pub midsides: Vec<Midside>,
+    /// The finite element.
+    pub element: Element,
     /// Materials, supports and loads on its regions and groups.
     pub model: Model,
     /// The quantities asked for, on its regions and groups.
@@ -32,17 +35,33 @@ pub struct Resolved {
     pub warnings: Vec<String>,
 }
 
+impl Resolved {
+    /// The nodes of the elements on the input mesh.
+    #[must_use]
+    pub fn space(&self) -> Space<'_> {
+        Space::new(&self.mesh, self.element, &self.midsides)
+    }
+}
+
 /// Resolves a scenario on its mesh, with straight edges.
 ///
 /// # Errors
 /// [`ModelError`]: regions without material, no supports, selectors that match nothing, supports that contradict each
 /// other, gravity without density, features that are not in the mesh.
 pub fn resolve(scenario: &Scenario, mesh: TetMesh) -> Result<Resolved, ModelError> {
+    resolve_curved(scenario, mesh, Vec::new())
+}
+
+/// Resolves a scenario on its mesh, of which some edges may be curved.
+///
+/// # Errors
+/// As [`resolve`].
+pub fn resolve_curved(scenario: &Scenario, mesh: TetMesh, midsides: Vec<Midside>) -> Result<Resolved, ModelError> {
     let chosen = choose_materials(&scenario.materials, &mesh)?;
     if scenario.supports.is_empty() {
         return Err(ModelError::NoSupports);
     }
-    let mut targets = Targets { own: mesh.groups().len(), mesh, selections: Vec::new() };
+    let mut targets = Targets { own: mesh.groups().len(), mesh, midsides, selections: Vec::new() };
     let exact = scenario.exact.as_ref().map(|e| quantities::exact(e, &chosen, &mut targets)).transpose()?;
     let supports = scenario.supports.iter().map(|s| targets.support(s, exact)).collect::<Result<Vec<_>, _>>()?;
     let mut loads = Vec::new();
@@ -53,14 +72,17 @@ pub fn resolve(scenario: &Scenario, mesh: TetMesh) -> Result<Resolved, ModelErro
         loads.push(fem::Load { name: load.name.clone(), kind: targets.load(load)? });
     }
     let quantities = quantities::resolve(scenario, &chosen, &mut targets)?;
-    let Targets { mesh, selections, .. } = targets;
+    let Targets { mesh, midsides, selections, .. } = targets;
     let model = Model { materials: chosen.iter().map(|m| properties(m)).collect(), supports, loads };
     // A known solution brings loads that the model does not list.
     let with_place = |error| with_place(scenario, error);
-    let mut warnings = if exact.is_none() { loading::warnings(&mesh, &model).map_err(with_place)? } else { Vec::new() };
-    warnings.extend(loading::idle_supports(&mesh, &model).map_err(with_place)?);
+    let space = Space::new(&mesh, scenario.element, &midsides);
+    let mut warnings =
+        if exact.is_none() { loading::warnings(&space, &model).map_err(with_place)? } else { Vec::new() };
+    warnings.extend(loading::idle_supports(&space, &model).map_err(with_place)?);
+    drop(space);
     let mesh = with_features(scenario, mesh)?;
-    Ok(Resolved { mesh, midsides: Vec::new(), model, quantities, exact, selections, warnings })
+    Ok(Resolved { mesh, midsides, element: scenario.element, model, quantities, exact, selections, warnings })
 }
 
 /// Checks that the supports stop every rigid motion of every part.
@@ -181,9 +203,20 @@ pub(super) struct Targets {
     /// How many groups the mesh had at first; the others are of selectors, and nothing that a user could name.
     own: usize,
     selections: Vec<Selection>,
+    /// Nodes of curved edges, sorted by edge.
+    pub(super) midsides: Vec<Midside>,
 }
 
 impl Targets {
+    /// Area of boundary faces, as they are: curved where their edges are.
+    fn area<'a>(&self, faces: impl Iterator<Item = &'a Face>) -> f64 {
+        if self.midsides.is_empty() {
+            return select::area(&self.mesh, faces);
+        }
+        let space = Space::new(&self.mesh, Element::Tet10, &self.midsides);
+        faces.flat_map(|f| space.face_rule(f)).map(|(_, _, area)| area.length()).sum()
+    }
+
     pub(super) fn mesh(&self) -> &TetMesh {
         &self.mesh
     }
@@ -239,7 +272,7 @@ impl Targets {
             return Err(ModelError::EmptySelection { place: place.to_owned(), what: title, help });
         }
         let chosen = || self.mesh.faces().iter().zip(&selected).filter(|(_, chosen)| **chosen).map(|(face, _)| face);
-        let (faces, area) = (chosen().count(), select::area(&self.mesh, chosen()));
+        let (faces, area) = (chosen().count(), self.area(chosen()));
         self.selections.push(Selection { name: name.to_owned(), what, faces, area });
         if let Selector::Group(existing) = s
             && let Some(id) = self.mesh.group(existing)

@@ -3,7 +3,7 @@
 use super::doubts::ending;
 use super::leftovers;
 use super::quantities::failed_expectations;
-use super::resolve::{Resolved, check_supports, resolve};
+use super::resolve::{Resolved, check_supports, resolve_curved};
 use super::results::Results;
 use super::simulate::{Plan, simulate};
 use super::{RunOptions, load::load, print, wrapped};
@@ -56,17 +56,16 @@ pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<Report, Error> {
 }
 
 /// The warning of a run that refines a mesh with curved edges.
-const STRAIGHTENED: &str = "refined meshes have straight edges: from step 1 on the body is not that of step 0, and their \
-                            energies do not compare";
+const STRAIGHTENED: &str = "refined meshes have straight edges: from step 1 on the body is another than at step 0, energies do \
+                            not compare, and stresses at curved surfaces get worse; start from a finer mesh, with \
+                            refine.strategy = \"none\"";
 
 /// Reads the mesh, resolves the scenario on it and checks that the supports hold it, before anything is written.
 pub(super) fn prepare(scenario: &Scenario, options: &RunOptions) -> Result<Resolved, Error> {
     let file = load(scenario)?;
-    let mut problem = Resolved {
-        midsides: file.midsides,
-        ..resolve(scenario, file.mesh).map_err(|e| e.with_inner(&file.inner_groups))?
-    };
-    if !problem.midsides.is_empty() && scenario.refine.strategy != Strategy::None {
+    let problem = resolve_curved(scenario, file.mesh, file.midsides);
+    let mut problem = problem.map_err(|e| e.with_inner(&file.inner_groups))?;
+    if !problem.midsides.is_empty() && scenario.refine.strategy != Strategy::None && scenario.refine.steps > 0 {
         problem.warnings.push(STRAIGHTENED.to_owned());
     }
     check_supports(scenario, &problem)?;

@@ -102,7 +102,8 @@ fn unused(mids: &[[u32; 6]], edges: Edges, curved: &[Midside], vertex_of: &[u32]
         let tets = mids.len();
         notes.push(match edges {
             Edges::Straight => format!(
-                "{tets} ten-node tetrahedra: the four corner nodes are used, {midsides} mid-side nodes dropped."
+                "{tets} ten-node tetrahedra: the four corner nodes are used, {midsides} mid-side nodes dropped \
+                 (mesh.midside = \"curved\" keeps curved edges, with analysis.element = \"tet10\")."
             ),
             Edges::Curved => format!("{tets} ten-node tetrahedra, {} edges of them curved.", curved.len()),
         });
