@@ -177,7 +177,7 @@ fn loads_that_do_nothing_are_warned_of() {
     assert!(resolved("", &[]).unwrap().warnings.is_empty());
     warned(&["loads.push.traction=[0, 0, 0]"], "is zero");
     warned(&["loads.push.traction=[0, 0, 0]"], "nothing loads the model");
-    warned(&["loads.push.group=y-min"], "fixed vertices only: supports take it");
+    warned(&["loads.push.group=y-min"], "fixed nodes only: supports take it");
     warned(&["loads.pull.group=y-max", "loads.pull.force=[0, 2, 0]"], "cancel out");
 }
 

@@ -6,7 +6,7 @@ use glam::DVec3;
 /// Part of a load's largest nodal force below which a component is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Loads that are zero, act on fixed vertices only, or cancel out; a model that nothing loads.
+/// Loads that are zero, act on fixed nodes only, or cancel out; a model that nothing loads.
 ///
 /// # Errors
 /// [`FemError`]: an expression of a support or load has no finite value where it acts, or supports contradict each other.
