@@ -2,6 +2,7 @@
 
 use super::TetMesh;
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Volume of the tetrahedron; positive if `d` is on the side of `(b - a) x (c - a)`.
 #[must_use]
@@ -125,13 +126,19 @@ pub const REGULAR_SOLID_ANGLE: f64 = 0.551_285_598_432_530_8;
 /// A number for the shape of the tetrahedron of these corners.
 pub type CellMeasure = fn([DVec3; 4]) -> f64;
 
+/// The minimum dihedral angle of each cell.
+#[must_use]
+pub fn min_dihedrals(mesh: &TetMesh) -> Vec<f64> {
+    (0..mesh.tets().len()).into_par_iter().with_min_len(1024).map(|t| min_dihedral(mesh.cell_points(t))).collect()
+}
+
 /// Numbers of cells by their minimum dihedral angle, in 36 bins of two degrees from 0.
 #[must_use]
 pub fn dihedral_counts(mesh: &TetMesh) -> Vec<usize> {
     let mut counts = vec![0; 36];
-    for t in 0..mesh.tets().len() {
+    for angle in min_dihedrals(mesh) {
         // No minimum dihedral angle exceeds that of the regular tetrahedron, 70.5 degrees.
-        counts[((min_dihedral(mesh.cell_points(t)) / 2.0) as usize).min(35)] += 1;
+        counts[((angle / 2.0) as usize).min(35)] += 1;
     }
     counts
 }
@@ -197,15 +204,12 @@ pub fn quality(mesh: &TetMesh) -> Quality {
         valence_above_50: valence.iter().filter(|&&n| n > 50).count() as f64 / used as f64,
         inverted: 0,
     };
-    let mut q = (0..mesh.tets().len()).fold(start, |q, t| {
-        let angle = min_dihedral(mesh.cell_points(t));
-        Quality {
-            worst: q.worst.min(angle),
-            average: q.average + angle,
-            best: q.best.max(angle),
-            inverted: q.inverted + usize::from(mesh.cell_volume(t) <= 0.0),
-            ..q
-        }
+    let mut q = min_dihedrals(mesh).into_iter().enumerate().fold(start, |q, (t, angle)| Quality {
+        worst: q.worst.min(angle),
+        average: q.average + angle,
+        best: q.best.max(angle),
+        inverted: q.inverted + usize::from(mesh.cell_volume(t) <= 0.0),
+        ..q
     });
     q.average /= mesh.tets().len().max(1) as f64;
     q

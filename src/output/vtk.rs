@@ -154,7 +154,7 @@ fn grid(space: &Space<'_>, fields: &Fields<'_>) -> Vtk {
 /// What the mesh itself says about each cell.
 fn mesh_fields(mesh: &TetMesh) -> [Attribute; 3] {
     let regions: Vec<i32> = mesh.regions().iter().map(|r| i32::from(r.0)).collect();
-    let angles: Vec<f64> = (0..mesh.tets().len()).map(|t| quality::min_dihedral(mesh.cell_points(t))).collect();
+    let angles = quality::min_dihedrals(mesh);
     [
         Attribute::generic("region", 1).with_data(regions),
         Attribute::generic("refinement_level", 1).with_data(mesh.levels().to_vec()),

@@ -64,7 +64,7 @@ impl<'a> Results<'a> {
     pub(super) fn step(&mut self, step: &Step<'_>) -> Result<(), Error> {
         let label = format!("step {}: {} cells", step.index, step.mesh.tets().len());
         let indicator: Vec<f64> = step.analysed.errors.squared.iter().map(|e| e.sqrt()).collect();
-        let angles = (0..step.mesh.tets().len()).map(|t| quality::min_dihedral(step.mesh.cell_points(t))).collect();
+        let angles = quality::min_dihedrals(step.mesh);
         if self.scenario.output.vtk {
             self.vtk(step, &indicator)?;
         }

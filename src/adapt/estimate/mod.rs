@@ -81,7 +81,7 @@ impl CellErrors {
 pub fn estimate(space: &Space<'_>, materials: &[Material], stress: &Stress, estimator: Estimator) -> CellErrors {
     let mesh = space.mesh();
     let patches = Patches::new(mesh);
-    let volumes: Vec<f64> = (0..mesh.tets().len()).map(|t| mesh.cell_volume(t)).collect();
+    let volumes: Vec<f64> = (0..mesh.tets().len()).into_par_iter().map(|t| mesh.cell_volume(t)).collect();
     let field = Field { space, stress, volumes: &volumes };
     let material = |t: usize| &materials[mesh.regions()[t].0 as usize];
     let Estimate { squared, nodal_stress, at_vertices, between } = if stress.is_linear() {
