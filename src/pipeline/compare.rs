@@ -59,7 +59,7 @@ pub fn compare(scenario: &Scenario, options: &RunOptions, repeat: usize) -> Resu
     let comparison = Comparison { global: &global, adaptive: &adaptive, ratios: &ratios };
     write_json(&folder.join("compare.json"), &comparison)?;
     write_text(&folder.join("compare.txt"), &text)?;
-    plot_curves(&folder, &[("global", &global), ("adaptive", &adaptive)])?;
+    plot_curves(&folder, scenario.element, &[("global", &global), ("adaptive", &adaptive)])?;
     if let Some(path) = &options.json {
         write_json(path, &comparison)?;
     }

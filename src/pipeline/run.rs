@@ -8,6 +8,7 @@ use super::results::Results;
 use super::simulate::{Plan, simulate};
 use super::{RunOptions, load::load, print, wrapped};
 use crate::error::Error;
+use crate::fem::options::Element;
 use crate::output::atomic::ensure_writable_dir;
 use crate::output::plot::{Axis, error_curves};
 use crate::output::progress::Progress;
@@ -35,7 +36,7 @@ pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<Report, Error> {
     };
     let report = simulate(&problem, &plan, &mut |step| results.step(step))?;
     if scenario.output.report {
-        plot_curves(&options.folder(scenario), &[("this run", &report)])?;
+        plot_curves(&options.folder(scenario), scenario.element, &[("this run", &report)])?;
     }
     results.finish(&report)?;
     if let Some(path) = &options.json {
@@ -94,16 +95,20 @@ pub(super) fn warnings(run: &str, report: &Report) -> String {
 }
 
 /// Plots the relative error against dofs and against seconds.
-pub(super) fn plot_curves(folder: &Path, runs: &[(&str, &Report)]) -> Result<(), Error> {
+pub(super) fn plot_curves(folder: &Path, element: Element, runs: &[(&str, &Report)]) -> Result<(), Error> {
+    let degree = match element {
+        Element::Tet4 => 1,
+        Element::Tet10 => 2,
+    };
     let curve = |(name, report): &(&str, &Report), axis: Axis| {
         let mut spent = 0.0;
         let points = report.steps.iter().map(|s| {
             spent += s.seconds.computing();
-            (if axis == Axis::Dofs { s.free_dofs as f64 } else { spent }, s.error.relative)
+            (if axis == Axis::Dofs(degree) { s.free_dofs as f64 } else { spent }, s.error.relative)
         });
         ((*name).to_owned(), points.collect())
     };
-    for (axis, file) in [(Axis::Dofs, "error_dofs.svg"), (Axis::Seconds, "error_seconds.svg")] {
+    for (axis, file) in [(Axis::Dofs(degree), "error_dofs.svg"), (Axis::Seconds, "error_seconds.svg")] {
         let curves: Vec<(String, Vec<(f64, f64)>)> = runs.iter().map(|run| curve(run, axis)).collect();
         error_curves(&folder.join(file), axis, &curves)?;
     }

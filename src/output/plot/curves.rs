@@ -12,8 +12,8 @@ use std::path::Path;
 /// What the error is plotted against.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Axis {
-    /// Degrees of freedom; a line of slope -1/3 shows the best rate of linear tetrahedra.
-    Dofs,
+    /// Degrees of freedom; a line of slope -p/3 shows the best rate of elements of this degree p on smooth solutions.
+    Dofs(u8),
     /// Seconds since the start of the run.
     Seconds,
 }
@@ -42,13 +42,13 @@ fn logarithms(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
 fn draw(page: &Area<'_>, axis: Axis, runs: &[Run<'_>]) -> Result<(), Box<dyn std::error::Error>> {
     let all = || runs.iter().flat_map(|r| &r.points);
     let reference = match axis {
-        Axis::Dofs => reference(all().copied()),
+        Axis::Dofs(degree) => reference(all().copied(), degree),
         Axis::Seconds => Vec::new(),
     };
     let x = padded(all().map(|p| p.0));
     let y = padded(all().chain(&reference).map(|p| p.1));
     let (title, x_label) = match axis {
-        Axis::Dofs => ("Error against degrees of freedom", "degrees of freedom"),
+        Axis::Dofs(_) => ("Error against degrees of freedom", "degrees of freedom"),
         Axis::Seconds => ("Error against time", "seconds since the start"),
     };
     let mut chart = ChartBuilder::on(page)
@@ -68,10 +68,10 @@ fn draw(page: &Area<'_>, axis: Axis, runs: &[Run<'_>]) -> Result<(), Box<dyn std
         .x_desc(x_label)
         .y_desc("estimated relative error, %")
         .draw()?;
-    if let [_, ..] = reference[..] {
+    if let (Axis::Dofs(degree), [_, ..]) = (axis, &reference[..]) {
         chart
             .draw_series(DashedLineSeries::new(reference, 8, 6, GREY.stroke_width(2)))?
-            .label("slope -1/3")
+            .label(format!("slope -{degree}/3"))
             .legend(|(x, y)| DashedPathElement::new(vec![(x, y), (x + 36, y)], 8, 6, GREY.stroke_width(2)));
     }
     for (i, run) in runs.iter().enumerate() {
@@ -108,13 +108,14 @@ fn marker(run: usize, (x, y): (i32, i32), colour: RGBColor) -> Polygon<(i32, i32
     Polygon::new((0..corners).map(corner).collect::<Vec<_>>(), colour.filled())
 }
 
-/// A line of slope -1/3, a little below the first point, as far as the curves reach to the right and down.
-fn reference(points: impl Iterator<Item = (f64, f64)> + Clone) -> Vec<(f64, f64)> {
+/// A line of slope -p/3, a little below the first point, as far as the curves reach to the right and down.
+fn reference(points: impl Iterator<Item = (f64, f64)> + Clone, degree: u8) -> Vec<(f64, f64)> {
+    let slope = f64::from(degree) / 3.0;
     let Some((x0, y0)) = points.clone().next() else { return Vec::new() };
     let (end, lowest) = points.fold((x0, y0), |(x, y), p| (x.max(p.0), y.min(p.1)));
     let y0 = y0 - 0.04;
-    let length = (end - x0).min(3.0 * (y0 - lowest));
-    if length > 0.0 { vec![(x0, y0), (x0 + length, y0 - length / 3.0)] } else { Vec::new() }
+    let length = (end - x0).min((y0 - lowest) / slope);
+    if length > 0.0 { vec![(x0, y0), (x0 + length, y0 - slope * length)] } else { Vec::new() }
 }
 
 /// The range of the values with some room at both ends, at least half a decade.
@@ -146,11 +147,13 @@ mod tests {
     }
 
     #[test]
-    fn the_reference_line_has_slope_one_third_in_logarithms() {
-        let line = reference([(3.0, 1.5), (6.0, 0.0)].into_iter());
-        let slope = (line[1].1 - line[0].1) / (line[1].0 - line[0].0);
-        assert!((slope + 1.0 / 3.0).abs() < 1e-12);
-        assert!(reference(std::iter::once((1.0, 1.0))).is_empty());
+    fn the_reference_line_has_the_slope_of_its_degree_in_logarithms() {
+        for degree in [1, 2] {
+            let line = reference([(3.0, 1.5), (6.0, 0.0)].into_iter(), degree);
+            let slope = (line[1].1 - line[0].1) / (line[1].0 - line[0].0);
+            assert!((slope + f64::from(degree) / 3.0).abs() < 1e-12);
+            assert!(reference(std::iter::once((1.0, 1.0)), degree).is_empty());
+        }
     }
 
     #[test]
