@@ -35,6 +35,7 @@ pub use exact::{Exact, TrueError};
 pub use loads::{distance_outside, load_forces};
 pub use material::{double_contraction, von_mises};
 pub use numbering::{Prescribed, prescribed};
+pub use quadrature::FOUR_POINTS;
 pub use quantity::{Cells, Extent, Quantity, QuantityKind, State};
 pub use recover::{Solution, global_balance, recover};
 pub use solve::{Solved, SolverInfo, solve};

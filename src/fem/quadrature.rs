@@ -2,6 +2,15 @@
 
 use glam::DVec3;
 
+/// Two barycentric coordinates of [`FOUR_POINTS`]: one of the first, three of the second.
+pub(super) const FOUR_POINTS_OF: [f64; 2] = [0.585_410_196_624_968_5, 0.138_196_601_125_010_5];
+
+/// The points of the rule of degree two on a tetrahedron, of equal weight; one near each vertex.
+pub const FOUR_POINTS: [[f64; 4]; 4] = {
+    let [a, b] = FOUR_POINTS_OF;
+    [[a, b, b, b], [b, a, b, b], [b, b, a, b], [b, b, b, a]]
+};
+
 /// Points and weights on a triangle, as fractions of its area. Radon 1948; Stroud, Approximate Calculation of Multiple
 /// Integrals, 1971, T2: 5-1.
 pub(super) fn triangle([p, q, r]: [DVec3; 3]) -> [([f64; 3], f64, DVec3); 7] {

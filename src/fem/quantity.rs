@@ -2,6 +2,7 @@
 
 use super::clip::{self, Piece, WHOLE, Weights};
 use super::options::{Field, Total};
+use super::quadrature::FOUR_POINTS;
 use super::{Model, Solution, Space, SymTensor, von_mises};
 use crate::mesh::locate::Located;
 use crate::mesh::quality::EDGES;
@@ -86,9 +87,6 @@ pub struct State<'a> {
     pub recovered: &'a dyn Fn(usize) -> [SymTensor; 10],
 }
 
-/// Corners of the quadrature rule of degree 2 on tetrahedra: one coordinate, and the three others.
-const TET_RULE: [f64; 2] = [0.585_410_196_624_968_5, 0.138_196_601_125_010_5];
-
 impl State<'_> {
     /// The number that a quantity is; `locate` finds the cell of a point. NaN where an average has nothing to average.
     #[must_use]
@@ -167,7 +165,7 @@ impl State<'_> {
         }
         let points = |piece: &Piece| {
             let volume = clip::share(piece) * mesh.cell_volume(t) / 4.0;
-            [0, 1, 2, 3].map(|i| (inner_point(piece, corner_weights(TET_RULE, i)), volume))
+            FOUR_POINTS.map(|l| (inner_point(piece, l), volume))
         };
         pieces.iter().flat_map(points).collect()
     }
@@ -227,11 +225,6 @@ impl State<'_> {
         };
         (0..mesh.tets().len()).map(cell).sum()
     }
-}
-
-/// The `i`-th point of a rule with one point a corner.
-fn corner_weights([own, other]: [f64; 2], i: usize) -> Weights {
-    std::array::from_fn(|j| if i == j { own } else { other })
 }
 
 /// A point of a piece, seen from its cell.

@@ -1,6 +1,7 @@
 //! The stress of the elements: a polynomial in each cell, with jumps between them.
 
 use super::options::Element;
+use super::quadrature::{FOUR_POINTS, FOUR_POINTS_OF};
 use super::{Model, Space, SymTensor, tet4, tet10};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -8,19 +9,9 @@ use rayon::prelude::*;
 /// The vertices of a cell.
 const CORNERS: [[f64; 4]; 4] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
 
-/// Barycentric coordinates of the quadrature points of degree two: one of these, three of the other.
-const GAUSS: [f64; 2] = [0.585_410_196_624_968_5, 0.138_196_601_125_010_5];
-
-/// The quadrature points of degree two. In cells with curved edges, where the stress is no polynomial, that of the element
-/// is taken there.
-const SAMPLE: [[f64; 4]; 4] = {
-    let [a, b] = GAUSS;
-    [[a, b, b, b], [b, a, b, b], [b, b, a, b], [b, b, b, a]]
-};
-
-/// The values at the vertices of the linear function through four values at [`SAMPLE`].
+/// The values at the vertices of the linear function through four values at [`FOUR_POINTS`].
 fn through(values: [SymTensor; 4]) -> [SymTensor; 4] {
-    let [own, other] = GAUSS;
+    let [own, other] = FOUR_POINTS_OF;
     let sum: SymTensor = std::array::from_fn(|i| values.iter().map(|s| s[i]).sum());
     values.map(|s| std::array::from_fn(|i| (s[i] - other * sum[i]) / (own - other)))
 }
@@ -65,7 +56,8 @@ impl Stress {
             cells
                 .flat_map_iter(|t| {
                     let at = |l| of_ten_nodes(space, model, u, t, l);
-                    if space.is_curved(t) { through(SAMPLE.map(at)) } else { CORNERS.map(at) }
+                    // With curved edges the stress is no polynomial; that of the element is taken at four points.
+                    if space.is_curved(t) { through(FOUR_POINTS.map(at)) } else { CORNERS.map(at) }
                 })
                 .collect()
         } else {

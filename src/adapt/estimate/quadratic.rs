@@ -7,7 +7,7 @@
 use super::patches::Patches;
 use super::{Estimate, Field, add_scaled, minus};
 use crate::adapt::options::Estimator;
-use crate::fem::{Material, SymTensor};
+use crate::fem::{FOUR_POINTS, Material, SymTensor};
 use crate::mesh::quality::EDGES;
 use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, SMatrix, SVector, SymmetricEigen, Vector3};
@@ -18,9 +18,6 @@ const MIN_CELLS: usize = 10;
 
 /// Smallest ratio of the squared pivots of the normal matrix at which a fit is trusted.
 const MIN_RATIO: f64 = 1e-6;
-
-/// The points of a cell that the polynomial is fitted to: those of the quadrature rule of degree two.
-const SAMPLE: [f64; 2] = [0.585_410_196_624_968_5, 0.138_196_601_125_010_5];
 
 /// The estimate for a stress that is linear in each cell.
 pub(super) fn estimate<'a>(
@@ -184,7 +181,7 @@ impl Polynomial {
     /// The least-squares polynomial of `N` terms around a vertex; `None` if the cells do not determine it.
     fn fit<const N: usize>(field: &Field, vertex: u32, cells: &[u32]) -> Option<Self> {
         let origin = field.space.mesh().points()[vertex as usize];
-        let samples = || cells.iter().flat_map(|&t| (0..4).map(move |k| (t as usize, sample(k))));
+        let samples = || cells.iter().flat_map(|&t| FOUR_POINTS.map(|l| (t as usize, l)));
         let places: Vec<DVec3> = samples().map(|(t, l)| field.space.position(t, l) - origin).collect();
         let to_local = principal_axes(&places)?;
         let (mut normal, mut right) = (SMatrix::<f64, N, N>::zeros(), SMatrix::<f64, N, 6>::zeros());
@@ -214,11 +211,6 @@ impl Polynomial {
         }
         sum
     }
-}
-
-/// The `k`-th point of a cell that polynomials are fitted to.
-fn sample(k: usize) -> [f64; 4] {
-    std::array::from_fn(|i| SAMPLE[usize::from(i != k)])
 }
 
 /// The map to principal axes in units of the spread (root mean square) along each; `None` if the points lie in a plane.
