@@ -20,6 +20,7 @@ pub mod run;
 pub mod select;
 mod simulate;
 pub mod subdivide;
+pub mod verify;
 
 pub use model_error::ModelError;
 

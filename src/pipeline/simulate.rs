@@ -73,9 +73,9 @@ pub(super) fn simulate(
         let input = problem.mesh.points().len();
         (mesh, history) = timed(&mut refine_seconds, || refine(&step, &history, plan, input))?;
     };
-    let last = steps.last().map_or(&[][..], |s: &StepRecord| &s.quantities);
+    let expectations = steps.last().map(|last| quantities::expectations(plan.scenario, last));
     Ok(Report {
-        expectations: quantities::expectations(plan.scenario, last),
+        expectations: expectations.unwrap_or_default(),
         schema: SCHEMA,
         program: PROGRAM.to_owned(),
         scenario: plan.scenario.path.display().to_string(),
