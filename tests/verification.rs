@@ -129,7 +129,7 @@ fn what_is_wrong_fails_by_name_and_the_rest_still_runs() {
         ("h-range.toml", bar("expect.strain-energy = { between = [1.1e-3, 1.2e-3] }")),
         (
             "i-goal.toml",
-            bar("expect.tip = { between = [0, 1] }\nrefine.stop.relative_error = 1e-3")
+            bar("expect.tip = { between = [0, 1] }\nrefine = { steps = 1, stop = { relative_error = 1e-3 } }")
                 .replace("[1, 0, 0]", "[1, 0, \"y\"]"),
         ),
         ("notes.txt", String::new()),
