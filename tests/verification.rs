@@ -12,7 +12,14 @@ const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 /// Runs `subsolid verify` in a folder; gives its exit code, standard output and standard error.
 fn verify(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
     let mut command = Command::cargo_bin("subsolid").unwrap();
-    let output = command.arg("verify").args(arguments).current_dir(folder).env("NO_COLOR", "1").output().unwrap();
+    let output = command
+        .arg("verify")
+        .args(arguments)
+        .current_dir(folder)
+        .env("NO_COLOR", "1")
+        .env_remove("SUBSOLID_DATA")
+        .output()
+        .unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     (output.status.code(), text(output.stdout), text(output.stderr))
 }
