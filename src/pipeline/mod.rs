@@ -13,6 +13,7 @@ mod leftovers;
 pub mod load;
 mod loading;
 mod model_error;
+mod passes;
 mod quantities;
 pub mod resolve;
 mod results;
@@ -20,6 +21,7 @@ pub mod run;
 pub mod select;
 mod simulate;
 pub mod subdivide;
+pub mod variants;
 
 pub use model_error::ModelError;
 

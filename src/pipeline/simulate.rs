@@ -49,11 +49,11 @@ pub(super) fn simulate(
     let start = Instant::now();
     let (mut mesh, mut history) = (problem.mesh.clone(), History::default());
     let (mut steps, mut warnings) = (Vec::new(), Vec::new());
-    let (mut refine_seconds, mut largest_error) = (0.0, None);
+    let (mut refine_seconds, mut largest_error, mut guess) = (0.0, None, None);
     let stop_reason = loop {
         let index = steps.len();
         let mut seconds = PhaseSeconds { refine: refine_seconds, ..PhaseSeconds::default() };
-        let analysed = analyse(index, &mesh, problem, plan, &mut seconds)?;
+        let analysed = analyse(index, &mesh, problem, plan, guess.as_deref(), &mut seconds)?;
         let unit = *largest_error.get_or_insert_with(|| analysed.largest_error());
 
         let reached = reason_to_stop(plan, index, &mesh, &analysed, start);
@@ -62,7 +62,8 @@ pub(super) fn simulate(
 
         let step = Step { index, mesh: &mesh, analysed: &analysed, selected: &selected };
         timed(&mut seconds.write, || observe(&step))?;
-        let record = record(&step, problem, seconds, unit);
+        let record =
+            StepRecord { peak_memory_bytes: (plan.memory.peak)() as u64, ..record(&step, problem, seconds, unit) };
         warnings.extend(doubts::about(&step, steps.last(), &record));
         steps.push(record);
         if let Some(reason) = stop {
@@ -71,7 +72,9 @@ pub(super) fn simulate(
         let _phase = plan.progress.phase(format!("step {}: refine", index + 1));
         refine_seconds = 0.0;
         let input = problem.mesh.points().len();
-        (mesh, history) = timed(&mut refine_seconds, || refine(&step, &history, plan, input))?;
+        let next = timed(&mut refine_seconds, || refine(&step, &history, plan, input))?;
+        guess = timed(&mut refine_seconds, || analysed.guess(&next.0, &plan.scenario.solver));
+        (mesh, history) = next;
     };
     let last = steps.last().map_or(&[][..], |s: &StepRecord| &s.quantities);
     Ok(Report {

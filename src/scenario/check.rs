@@ -11,7 +11,7 @@ use crate::subdiv::options::{Boundary, Mode, Objective, Optimise, QualityMeasure
 use std::ops::Range;
 
 /// Most refinement steps a scenario may ask for.
-const MAX_STEPS: i64 = 20;
+pub const MAX_STEPS: i64 = 20;
 
 /// Most cells a generated box may have before each is cut into tetrahedra.
 const MAX_BOX_CELLS: usize = 100_000_000;
