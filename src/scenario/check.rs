@@ -59,7 +59,7 @@ fn midside(mesh: Option<&Table<RawMesh>>, element: Element) -> Checked<Midside> 
     let Some(midside) = mesh.and_then(|m| m.value.midside.as_ref()) else { return Ok(Midside::default()) };
     if *midside.get_ref() == Midside::Curved && element == Element::Tet4 {
         let fault = Fault::new(midside.span(), "curves the edges of ten-node elements only", "without these");
-        return Err(fault.help("add\n[analysis]\nelement = \"tet10\""));
+        return Err(fault.help("leave out analysis.element = \"tet4\""));
     }
     Ok(*midside.get_ref())
 }
