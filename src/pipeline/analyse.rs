@@ -1,5 +1,6 @@
 //! One mesh analysed: solved, its stress recovered, its error estimated.
 
+use super::look_ahead::Seen;
 use super::quantities;
 use super::resolve::Resolved;
 use super::simulate::{Plan, timed};
@@ -75,6 +76,12 @@ impl Analysed<'_> {
     pub(super) fn largest_error(&self) -> f64 {
         let largest = self.errors.squared.iter().copied().fold(0.0, f64::max).sqrt();
         if largest == 0.0 && !self.errors.unestimated.is_empty() { f64::NAN } else { largest }
+    }
+
+    /// What looking ahead needs of it.
+    pub(super) fn seen(&self) -> Seen {
+        let cells = self.space.mesh().tets().len() as f64;
+        Seen { cells, dofs: self.dofs as f64, error: self.relative_error(), selected: 0.0 }
     }
 
     /// What is recorded of it; `unit` is the largest error of a cell at step 0.

@@ -12,6 +12,7 @@ pub mod inspect;
 mod leftovers;
 pub mod load;
 mod loading;
+mod look_ahead;
 mod model_error;
 mod passes;
 mod quantities;

@@ -4,15 +4,17 @@ use super::MemoryProbe;
 use super::analyse::{Analysed, analyse};
 use super::doubts;
 use super::forecast;
+use super::look_ahead::{self, Seen};
 use super::quantities;
 use super::resolve::Resolved;
 use crate::adapt;
+use crate::adapt::options::Marking;
 use crate::error::Error;
 use crate::mesh::TetMesh;
 use crate::output::progress::Progress;
 use crate::output::report::{PROGRAM, PhaseSeconds, Report, SCHEMA, StepRecord, StopReason};
 use crate::scenario::{Scenario, Strategy};
-use crate::subdiv::{self, History};
+use crate::subdiv::{self, History, Weights};
 use std::time::Instant;
 
 /// What the loop needs besides the problem.
@@ -57,7 +59,7 @@ pub(super) fn simulate(
         let unit = *largest_error.get_or_insert_with(|| analysed.largest_error());
 
         let reached = reason_to_stop(plan, index, &mesh, &analysed, start);
-        let selected = timed(&mut seconds.mark, || select(&mesh, &analysed, plan, reached))?;
+        let selected = timed(&mut seconds.mark, || select(&mesh, &analysed, plan, reached, steps.last()))?;
         let stop = reached.or_else(|| reason_not_to_refine(plan, &selected, &analysed, &mut warnings));
 
         let step = Step { index, mesh: &mesh, analysed: &analysed, selected: &selected };
@@ -101,8 +103,14 @@ fn refine(step: &Step<'_>, history: &History, plan: &Plan<'_>, input: usize) -> 
     if !options.optimise.ends_in_error() {
         return Ok((refined.mesh, refined.history));
     }
-    let weights = subdiv::vertex_weights(step.mesh, &step.analysed.errors.squared);
-    let weights = subdiv::carry_over(&weights, &refined.transfer);
+    let (space, solution, errors) = (&step.analysed.space, &step.analysed.solution, &step.analysed.errors);
+    let weights = if options.optimise.directions {
+        let moments = errors.second_moments(space, &solution.displacement);
+        Weights::directions(step.mesh, &moments, &errors.squared)
+    } else {
+        Weights::factors(step.mesh, &errors.squared)
+    };
+    let weights = weights.carried_over(&refined.transfer);
     // What global refinement added stays, worth its price or not: it is asked for everywhere.
     let first = if plan.strategy == Strategy::Global { refined.mesh.points().len() } else { input };
     let optimised = subdiv::optimise_error(&refined.mesh, &weights, options.optimise.passes, first)?;
@@ -165,6 +173,7 @@ fn select(
     analysed: &Analysed<'_>,
     plan: &Plan<'_>,
     reached: Option<StopReason>,
+    before: Option<&StepRecord>,
 ) -> Result<Vec<bool>, Error> {
     let count = mesh.tets().len();
     match plan.strategy {
@@ -173,8 +182,27 @@ fn select(
         Strategy::Global => Ok(vec![true; count]),
         Strategy::Adaptive => {
             let marked = adapt::mark(&analysed.errors, plan.scenario.adapt.marking)?;
+            let marked = match (plan.scenario.adapt.marking, plan.scenario.refine.stop.relative_error) {
+                (Marking::LookAhead(_), Some(tolerance)) => {
+                    let most = marked.iter().filter(|m| **m).count() as f64;
+                    let now = analysed.seen();
+                    let fewer = look_ahead::marking(plan.scenario, tolerance, most, now, before.map(seen));
+                    adapt::mark(&analysed.errors, fewer)?
+                }
+                _ => marked,
+            };
             Ok(adapt::grow(mesh, marked, plan.scenario.adapt.grow))
         }
+    }
+}
+
+/// What looking ahead needs of a step.
+fn seen(step: &StepRecord) -> Seen {
+    Seen {
+        cells: step.mesh.cells as f64,
+        dofs: step.dofs as f64,
+        error: step.error.relative,
+        selected: step.selected as f64,
     }
 }
 

@@ -81,6 +81,8 @@ pub struct Optimise {
     pub mode: Mode,
     /// What they are for (in [`Mode::Best`]; the paper's operations are for the angles).
     pub objective: Objective,
+    /// Whether [`Objective::Error`] looks at the directions of the second derivatives.
+    pub directions: bool,
     /// What a good cell is to the paper's operations (in [`Mode::Paper`]; the others have measures of their own).
     pub measure: QualityMeasure,
     /// Passes at most.
@@ -130,6 +132,7 @@ impl Default for Optimise {
         Self {
             mode: Mode::Paper,
             objective: Objective::Quality,
+            directions: true,
             measure: QualityMeasure::MinSine,
             passes: 3,
             target_angle: 32.0,
