@@ -55,6 +55,20 @@ pub enum Command {
         #[command(flatten)]
         scenario_options: ScenarioOptions,
     },
+    /// Run all scenarios of a folder and print what they expect beside what came out; fails if one is not as expected
+    Verify {
+        /// Folder of scenarios (TOML)
+        #[arg(default_value = "scenarios/verification", value_name = "DIR")]
+        folder: PathBuf,
+        /// Write the table, the problems and the sources of their references to this file, as Markdown
+        #[arg(long, value_name = "FILE")]
+        markdown: Option<PathBuf>,
+        /// Write the results of each scenario into a folder in this one [default: they are not written]
+        #[arg(long, value_name = "DIR")]
+        output: Option<PathBuf>,
+        #[command(flatten)]
+        common: Common,
+    },
     /// Say what a run would do, and solve nothing
     Check {
         /// Scenario file (TOML)

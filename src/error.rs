@@ -63,6 +63,28 @@ pub enum Error {
         /// One for each quantity.
         sentences: String,
     },
+    /// A folder without scenarios to verify.
+    #[error("no scenarios in {folder}", folder = folder.display())]
+    #[diagnostic(help("give a folder that holds scenarios (.toml): subsolid verify DIR"))]
+    NoScenarios {
+        /// The folder asked for.
+        folder: std::path::PathBuf,
+        /// Why it cannot be read.
+        source: Option<std::io::Error>,
+    },
+    /// A scenario that is to be verified says nothing of its result.
+    #[error("the scenario expects nothing")]
+    #[diagnostic(help(
+        "add a table, for example\n[expect.strain-energy]\nvalue = 1.0\ntolerance = {{ relative = 0.01 }}"
+    ))]
+    NothingExpected,
+    /// Scenarios are not as they expect, or could not be run.
+    #[error("not as expected: {failed}")]
+    #[diagnostic(help("the table tells what was expected; where it is from, the scenarios tell"))]
+    Unverified {
+        /// The names of those that failed.
+        failed: String,
+    },
     /// All refinement steps are done and the error is still above what the scenario asks for.
     #[error("{}, {} % was asked for", reached_text(*reached), percent(*asked))]
     #[diagnostic(help("allow more: refine.steps, or the limits of [refine.stop]"))]
@@ -87,9 +109,9 @@ impl Error {
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Unexpected { .. } => 1,
+            Self::Unexpected { .. } | Self::Unverified { .. } => 1,
             Self::NotVtu { .. } | Self::Variants { .. } => 2,
-            Self::Scenario(_) | Self::NothingToCompare => 3,
+            Self::Scenario(_) | Self::NothingToCompare | Self::NoScenarios { .. } | Self::NothingExpected => 3,
             Self::Mesh(_) => 4,
             Self::Model(_) => 5,
             Self::Fem(error) if error.is_model() => 5,

@@ -13,6 +13,7 @@ use subsolid::Error;
 use subsolid::pipeline::choice::Cells;
 use subsolid::pipeline::inspect::{Inspection, inspect};
 use subsolid::pipeline::subdivide::{Subdivision, subdivide};
+use subsolid::pipeline::verify::{Verification, verify};
 use subsolid::pipeline::{MemoryProbe, RunOptions, check, compare, run, variants};
 use subsolid::scenario::Scenario;
 use subsolid::subdiv::options::{Mode, Optimise, Options, QualityMeasure, Scheme};
@@ -37,6 +38,11 @@ fn main() -> ExitCode {
                     chosen => variants::compare(s, chosen, o, repeat.into()),
                 }
             })
+        }
+        Command::Verify { folder, markdown, output, common } => {
+            set_threads(&common);
+            let quiet = is_quiet(&common);
+            finish(verify(&Verification { folder, markdown, output, json: common.json, quiet, memory: MEMORY }))
         }
         Command::Check { scenario, common, scenario_options } => {
             one(&scenario, &common, &scenario_options, check::check)

@@ -4,6 +4,7 @@
 //! the same bytes.
 
 pub mod atomic;
+pub mod book;
 pub mod compare;
 pub mod csv;
 mod error;

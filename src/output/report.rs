@@ -233,12 +233,15 @@ pub struct QuantityRecord {
 pub struct ExpectationRecord {
     /// Its value.
     pub value: f64,
-    /// What it should be.
+    /// What it should be; of a range the nearest value that is allowed.
     pub expected: f64,
     /// `value - expected`.
     pub deviation: f64,
     /// The largest deviation allowed.
     pub allowed: f64,
+    /// The range, if one is expected.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub between: Option<[f64; 2]>,
     /// Whether it is allowed.
     pub passed: bool,
     /// Where the expected value is from.

@@ -1,9 +1,11 @@
 //! Tables for people: the steps of a run, and global against adaptive refinement in the shape of Burkhart, Hamann and
 //! Umlauf 2011, Figure 6.
 
+mod book;
 mod quantities;
 mod variants;
 
+pub use book::book;
 pub use quantities::{expectations, quantities, true_errors};
 pub use variants::variants;
 

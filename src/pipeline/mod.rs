@@ -23,6 +23,7 @@ pub mod select;
 mod simulate;
 pub mod subdivide;
 pub mod variants;
+pub mod verify;
 
 pub use model_error::ModelError;
 

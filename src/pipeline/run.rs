@@ -24,6 +24,15 @@ use std::path::Path;
 /// [`Error`] with its exit code; after everything is written, [`Error::Unexpected`] if a quantity is not what the scenario
 /// expects, and [`Error::ToleranceNotReached`] if it asks for an error that was not reached.
 pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<Report, Error> {
+    let report = execute(scenario, options)?;
+    match failure(scenario, &report) {
+        Some(error) => Err(error),
+        None => Ok(report),
+    }
+}
+
+/// Runs a scenario and writes its results, whatever it expects of them.
+pub(super) fn execute(scenario: &Scenario, options: &RunOptions) -> Result<Report, Error> {
     let problem = prepare(scenario, options)?;
     let folder = options.folder(scenario);
     ensure_writable_dir(&folder)?;
@@ -51,10 +60,7 @@ pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<Report, Error> {
         let ending = ending(scenario, plan.strategy, &report);
         print(&format!("{text}\n{}{ending}\nresults in {}\n", warnings("", &report), folder.display()))?;
     }
-    match failure(scenario, &report) {
-        Some(error) => Err(error),
-        None => Ok(report),
-    }
+    Ok(report)
 }
 
 /// The warning of a run that refines a mesh with curved edges.

@@ -78,9 +78,9 @@ pub(super) fn simulate(
         guess = timed(&mut refine_seconds, || analysed.guess(&next.0, &plan.scenario.solver));
         (mesh, history) = next;
     };
-    let last = steps.last().map_or(&[][..], |s: &StepRecord| &s.quantities);
+    let expectations = steps.last().map(|last| quantities::expectations(plan.scenario, last));
     Ok(Report {
-        expectations: quantities::expectations(plan.scenario, last),
+        expectations: expectations.unwrap_or_default(),
         schema: SCHEMA,
         program: PROGRAM.to_owned(),
         scenario: plan.scenario.path.display().to_string(),

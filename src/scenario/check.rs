@@ -23,6 +23,7 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
     let materials = materials(raw.materials.unwrap_or_default(), &place)?;
     let supports = actions::supports(raw.supports.unwrap_or_default(), raw.exact.is_some(), &place)?;
     let names: Vec<&str> = supports.iter().map(|s| s.name.as_str()).collect();
+    let known = raw.exact.is_some();
     let quantities = wanted::quantities(raw.quantities.unwrap_or_default(), &names, &place)?;
     let element = raw.analysis.and_then(|t| t.value.element).unwrap_or_default();
     warnings.extend(locking(&materials, element));
@@ -35,6 +36,7 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
         document: toml::Table::new(),
         overrides: Vec::new(),
         title: raw.title.unwrap_or_default(),
+        description: raw.description.unwrap_or_default(),
         mesh: mesh(raw.mesh)?,
         features: features(raw.features)?,
         materials,
@@ -42,7 +44,7 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
         loads: actions::loads(raw.loads.unwrap_or_default(), &place)?,
         probes: wanted::probes(raw.probes.unwrap_or_default(), &place)?,
         exact: raw.exact.map(|t| wanted::exact(t, &place)).transpose()?,
-        expectations: wanted::expectations(raw.expect.unwrap_or_default(), &quantities)?,
+        expectations: wanted::expectations(raw.expect.unwrap_or_default(), &quantities, known)?,
         quantities,
         refine,
         midside,
@@ -77,8 +79,8 @@ fn mesh(raw: Option<Table<RawMesh>>) -> Checked<MeshSource> {
             return Err(shapes::one_too_many(span));
         }
         return match value.midside {
-            Some(midside) => Err(Fault::new(midside.span(), "goes with mesh.file only", "remove this")),
-            None => Ok(MeshSource::Shape(shape)),
+            Some(midside) if !shape.is_curved() => Err(needless(&midside)),
+            _ => Ok(MeshSource::Shape(shape)),
         };
     }
     match (value.file, value.brick) {
@@ -87,10 +89,15 @@ fn mesh(raw: Option<Table<RawMesh>>) -> Checked<MeshSource> {
         (None, None) => Err(Fault::new(span, "names no mesh", "which mesh?").help(help)),
         (Some(file), None) => Ok(MeshSource::File(PathBuf::from(file.into_inner()))),
         (None, Some(brick)) => match value.midside {
-            Some(midside) => Err(Fault::new(midside.span(), "goes with mesh.file only", "remove this")),
+            Some(midside) => Err(needless(&midside)),
             None => self::brick(&brick.value),
         },
     }
+}
+
+/// The fault of `midside` beside a body whose edges are all straight.
+fn needless(midside: &Spanned<Midside>) -> Fault {
+    Fault::new(midside.span(), "goes with mesh.file and generated bodies with curved sides", "remove this")
 }
 
 fn brick(raw: &RawBrick) -> Checked<MeshSource> {

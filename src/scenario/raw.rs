@@ -61,6 +61,7 @@ pub(super) type Named<T> = BTreeMap<String, Table<T>>;
 #[schemars(title = "Scenario of Subsolid")]
 pub(super) struct RawScenario {
     pub title: Option<String>,
+    pub description: Option<String>,
     pub mesh: Option<Table<RawMesh>>,
     pub features: Option<Table<RawFeatures>>,
     pub materials: Option<Named<RawMaterial>>,
