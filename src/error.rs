@@ -49,6 +49,13 @@ pub enum Error {
     #[error("scheme \"red\" refines all cells or none, so there is nothing adaptive to compare with")]
     #[diagnostic(help("set refine.scheme = \"sqrt3\" or \"longest-edge\"; or use `run` for global red refinement"))]
     NothingToCompare,
+    /// Two variants of a comparison would share a folder.
+    #[error("two variants are called `{name}`")]
+    #[diagnostic(help("give each --variant a name of its own, and none that --schemes has"))]
+    Variants {
+        /// Their name.
+        name: String,
+    },
     /// Quantities of the last step are not what the scenario expects.
     #[error("not as expected: {sentences}")]
     #[diagnostic(help("refine more if the mesh is too coarse, or look at [expect] and what it is compared with"))]
@@ -103,7 +110,7 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Unexpected { .. } | Self::Unverified { .. } => 1,
-            Self::NotVtu { .. } => 2,
+            Self::NotVtu { .. } | Self::Variants { .. } => 2,
             Self::Scenario(_) | Self::NothingToCompare | Self::NoScenarios { .. } | Self::NothingExpected => 3,
             Self::Mesh(_) => 4,
             Self::Model(_) => 5,

@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "kebab-case")]
 pub enum Element {
     /// Tetrahedra with linear displacements between their vertices.
-    #[default]
     Tet4,
-    /// Tetrahedra with quadratic displacements between their vertices and the midpoints of their straight edges.
+    /// Tetrahedra with quadratic displacements between their vertices and the midpoints of their edges.
+    #[default]
     Tet10,
 }
 

@@ -334,7 +334,7 @@ fn constant_after_two_steps(scheme: Scheme, mode: Mode) -> f64 {
         let refined = subdiv::refine(&mesh, &history, &all, &options).unwrap();
         (mesh, history) = (refined.mesh, refined.history);
         if optimise.ends_in_error() {
-            let weights = vec![1.0; mesh.points().len()];
+            let weights = subdiv::Weights::Factors(vec![1.0; mesh.points().len()]);
             let optimised = subdiv::optimise_error(&mesh, &weights, optimise.passes, first).unwrap();
             (mesh, history) = (optimised.mesh, history.renumbered(&optimised.kept));
         }

@@ -16,6 +16,7 @@ pub mod progress;
 pub mod pvd;
 pub mod report;
 pub mod table;
+pub mod variants;
 pub mod vtk;
 
 pub use error::OutputError;

@@ -11,7 +11,7 @@ use crate::subdiv::options::{Boundary, Mode, Objective, Optimise, QualityMeasure
 use std::ops::Range;
 
 /// Most refinement steps a scenario may ask for.
-const MAX_STEPS: i64 = 20;
+pub const MAX_STEPS: i64 = 20;
 
 /// Most cells a generated box may have before each is cut into tetrahedra.
 const MAX_BOX_CELLS: usize = 100_000_000;
@@ -28,6 +28,8 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
     let element = raw.analysis.and_then(|t| t.value.element).unwrap_or_default();
     warnings.extend(locking(&materials, element));
     let midside = midside(raw.mesh.as_ref(), element)?;
+    let refine = refine(raw.refine.map(|t| t.value), &mut warnings)?;
+    let asked = refine.stop.relative_error.is_some();
     Ok(Scenario {
         path: PathBuf::new(),
         directory: PathBuf::new(),
@@ -44,10 +46,10 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
         exact: raw.exact.map(|t| wanted::exact(t, &place)).transpose()?,
         expectations: wanted::expectations(raw.expect.unwrap_or_default(), &quantities, known)?,
         quantities,
-        refine: refine(raw.refine.map(|t| t.value), &mut warnings)?,
+        refine,
         midside,
         element,
-        adapt: adapt(raw.adapt.map(|t| t.value).unwrap_or_default())?,
+        adapt: adapt(raw.adapt.map(|t| t.value).unwrap_or_default(), asked)?,
         solver: solver(raw.solver.map(|t| t.value).unwrap_or_default())?,
         output: output(&raw.output.map(|t| t.value).unwrap_or_default()),
         published: raw.published.map(|t| published(t.value)).transpose()?,
@@ -61,7 +63,7 @@ fn midside(mesh: Option<&Table<RawMesh>>, element: Element) -> Checked<Midside> 
     let Some(midside) = mesh.and_then(|m| m.value.midside.as_ref()) else { return Ok(Midside::default()) };
     if *midside.get_ref() == Midside::Curved && element == Element::Tet4 {
         let fault = Fault::new(midside.span(), "curves the edges of ten-node elements only", "without these");
-        return Err(fault.help("add\n[analysis]\nelement = \"tet10\""));
+        return Err(fault.help("leave out analysis.element = \"tet4\""));
     }
     Ok(*midside.get_ref())
 }
@@ -227,9 +229,14 @@ fn optimise(raw: &RawOptimise) -> Checked<Optimise> {
         return Err(Fault::new(written.span(), "is a measure for the published operations", "not in mode \"best\"")
             .help("set refine.optimise.mode = \"paper\", or leave the measure out"));
     }
+    let objective = raw.objective.unwrap_or(Objective::Error);
+    if let Some(written) = raw.directions.as_ref().filter(|_| (mode, objective) != (Mode::Best, Objective::Error)) {
+        return Err(Fault::new(written.span(), "is for the objective \"error\" in mode \"best\"", "remove this"));
+    }
     Ok(Optimise {
         mode,
-        objective: raw.objective.unwrap_or(Objective::Error),
+        objective,
+        directions: raw.directions.as_ref().is_none_or(|d| *d.get_ref()),
         measure,
         passes,
         target_angle: raw.target_angle.as_ref().map(angle).transpose()?.unwrap_or(default.target_angle),
@@ -265,7 +272,12 @@ fn stop(raw: &RawStop) -> Checked<Stop> {
     })
 }
 
-fn adapt(raw: RawAdapt) -> Checked<Adapt> {
+/// `asked`: whether there is a tolerance to look ahead to.
+fn adapt(raw: RawAdapt, asked: bool) -> Checked<Adapt> {
+    if let Some(written) = raw.marking.as_ref().and_then(|t| t.value.look_ahead.as_ref()).filter(|_| !asked) {
+        return Err(Fault::new(written.span(), "looks ahead to a tolerance, but none is asked for", "to which error?")
+            .help("set refine.stop.relative_error, or mark by { doerfler = 0.5 }"));
+    }
     Ok(Adapt {
         estimator: raw.estimator.unwrap_or(Estimator::Spr),
         marking: raw.marking.map(|t| marking(&t)).transpose()?.unwrap_or(Marking::Doerfler(0.5)),
@@ -275,16 +287,17 @@ fn adapt(raw: RawAdapt) -> Checked<Adapt> {
 
 fn marking(Table { span, value: raw }: &Table<RawMarking>) -> Checked<Marking> {
     let fraction = |x: &Number| within(x, "above 0 and at most 1", |x| x > 0.0 && x <= 1.0);
-    let given = [&raw.doerfler, &raw.maximum, &raw.fraction, &raw.threshold];
+    let given = [&raw.doerfler, &raw.maximum, &raw.fraction, &raw.threshold, &raw.look_ahead];
     match given {
-        [Some(x), None, None, None] => fraction(x).map(Marking::Doerfler),
-        [None, Some(x), None, None] => fraction(x).map(Marking::Maximum),
-        [None, None, Some(x), None] => fraction(x).map(Marking::Fraction),
-        [None, None, None, Some(x)] => positive(x).map(Marking::Threshold),
+        [Some(x), None, None, None, None] => fraction(x).map(Marking::Doerfler),
+        [None, Some(x), None, None, None] => fraction(x).map(Marking::Maximum),
+        [None, None, Some(x), None, None] => fraction(x).map(Marking::Fraction),
+        [None, None, None, Some(x), None] => positive(x).map(Marking::Threshold),
+        [None, None, None, None, Some(x)] => fraction(x).map(Marking::LookAhead),
         _ => {
             let count = given.into_iter().flatten().count();
             Err(Fault::new(span.clone(), format!("names {count} markings, but must name one"), "exactly one")
-                .help("one of { doerfler = 0.5 }, { maximum = 0.5 }, { fraction = 0.1 }, { threshold = 1e-3 }"))
+                .help("one of { doerfler = 0.5 }, { maximum = 0.5 }, { fraction = 0.1 }, { threshold = 1e-3 }, { look_ahead = 0.8 }"))
         }
     }
 }

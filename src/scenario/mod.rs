@@ -17,6 +17,7 @@ mod translate;
 mod wanted;
 
 pub use actions::{Load, LoadKind, Support};
+pub use check::MAX_STEPS;
 pub use error::{Invalid, ScenarioError};
 pub use selector::Selector;
 pub use shapes::Shape;

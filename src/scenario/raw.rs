@@ -286,6 +286,7 @@ pub(super) struct RawRefine {
 pub(super) struct RawOptimise {
     pub mode: Option<Mode>,
     pub objective: Option<Objective>,
+    pub directions: Option<Spanned<bool>>,
     pub measure: Option<Spanned<QualityMeasure>>,
     pub passes: Option<Integer>,
     pub target_angle: Option<Number>,
@@ -375,6 +376,7 @@ pub(super) struct RawMarking {
     pub maximum: Option<Number>,
     pub fraction: Option<Number>,
     pub threshold: Option<Number>,
+    pub look_ahead: Option<Number>,
 }
 
 #[derive(Debug, Default, Deserialize, JsonSchema)]
