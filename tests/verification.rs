@@ -62,7 +62,7 @@ fn the_book_passes_and_converges_as_theory_says() {
     }
     let uniform = slope(&book, "l-prism-uniform", error);
     assert!((uniform + 0.1815).abs() < 0.02, "{uniform}");
-    for (file, at_most) in [("l-prism-tet4", -0.27), ("l-prism-tet10", -0.4)] {
+    for (file, at_most) in [("l-prism-tet4", -0.29), ("l-prism-tet10", -0.42)] {
         let found = slope(&book, file, error);
         assert!(found < at_most, "{file}: {found}");
     }
