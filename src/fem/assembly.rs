@@ -2,7 +2,7 @@
 
 use super::block_matrix::BlockMatrix;
 use super::gather::gather;
-use super::numbering::Dofs;
+use super::numbering::{Dofs, Prescribed};
 use super::options::Element;
 use super::{FemError, Model, Space, check, loads, quadratic, springs, tet4, tet10};
 use crate::mesh::topology::NodeCells;
@@ -50,6 +50,11 @@ impl System {
     #[must_use]
     pub fn total_load(&self) -> DVec3 {
         self.loads.iter().sum()
+    }
+
+    /// The same matrix under other nodal forces, and other values of what is prescribed.
+    pub(super) fn with_loads(self, loads: Vec<DVec3>, value: impl Fn(&Prescribed) -> f64) -> Self {
+        Self { loads, numbering: self.numbering.with_values(value), ..self }
     }
 }
 

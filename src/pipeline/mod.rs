@@ -20,6 +20,7 @@ pub mod run;
 pub mod select;
 mod simulate;
 pub mod subdivide;
+mod tolerance;
 
 pub use model_error::ModelError;
 

@@ -26,6 +26,8 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
     let quantities = wanted::quantities(raw.quantities.unwrap_or_default(), &names, &place)?;
     let element = raw.analysis.and_then(|t| t.value.element).unwrap_or_default();
     warnings.extend(locking(&materials, element));
+    let adapt = adapt(raw.adapt.map(|t| t.value).unwrap_or_default(), &quantities)?;
+    let refine = refine(raw.refine.map(|t| t.value), adapt.goal.is_some(), &mut warnings)?;
     let midside = midside(raw.mesh.as_ref(), element)?;
     Ok(Scenario {
         path: PathBuf::new(),
@@ -42,10 +44,10 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
         exact: raw.exact.map(|t| wanted::exact(t, &place)).transpose()?,
         expectations: wanted::expectations(raw.expect.unwrap_or_default(), &quantities)?,
         quantities,
-        refine: refine(raw.refine.map(|t| t.value), &mut warnings)?,
+        refine,
         midside,
         element,
-        adapt: adapt(raw.adapt.map(|t| t.value).unwrap_or_default())?,
+        adapt,
         solver: solver(raw.solver.map(|t| t.value).unwrap_or_default())?,
         output: output(&raw.output.map(|t| t.value).unwrap_or_default()),
         published: raw.published.map(|t| published(t.value)).transpose()?,
@@ -174,10 +176,10 @@ fn material(
     })
 }
 
-fn refine(raw: Option<RawRefine>, warnings: &mut Vec<String>) -> Checked<Refine> {
+fn refine(raw: Option<RawRefine>, has_goal: bool, warnings: &mut Vec<String>) -> Checked<Refine> {
     let absent = raw.is_none();
     let raw = raw.unwrap_or_default();
-    let stop = stop(&raw.stop.map(|t| t.value).unwrap_or_default())?;
+    let stop = stop(&raw.stop.map(|t| t.value).unwrap_or_default(), has_goal)?;
     let scheme = raw.scheme.as_ref().map_or(Scheme::Sqrt3, |s| *s.get_ref());
     let default = match scheme {
         _ if absent => Strategy::None,
@@ -244,7 +246,11 @@ fn moving(boundary: Boundary) -> Option<&'static str> {
     }
 }
 
-fn stop(raw: &RawStop) -> Checked<Stop> {
+fn stop(raw: &RawStop, has_goal: bool) -> Checked<Stop> {
+    if let (Some(written), false) = (&raw.quantity_error, has_goal) {
+        let fault = Fault::new(written.span(), "needs to know of which quantity", "the error of what?");
+        return Err(fault.help("name one of [quantities] in adapt.goal"));
+    }
     let error = |x| within(x, "above 0 and below 1", |e| e > 0.0 && e < 1.0);
     let memory = |bytes: &Spanned<Bytes>| match bytes.get_ref().0 {
         0 => Err(outside(bytes.span(), &0, "at least one byte")),
@@ -252,17 +258,26 @@ fn stop(raw: &RawStop) -> Checked<Stop> {
     };
     Ok(Stop {
         relative_error: raw.relative_error.as_ref().map(error).transpose()?,
+        quantity_error: raw.quantity_error.as_ref().map(wanted::bound).transpose()?,
         max_cells: raw.max_cells.as_ref().map(|n| integer(n, 1..=i64::MAX)).transpose()?,
         max_memory: raw.max_memory.as_ref().map(memory).transpose()?,
         seconds: raw.seconds.as_ref().map(positive).transpose()?,
     })
 }
 
-fn adapt(raw: RawAdapt) -> Checked<Adapt> {
+fn adapt(raw: RawAdapt, quantities: &[Quantity]) -> Checked<Adapt> {
+    let goal = raw.goal.as_ref().map(|goal| wanted::goal(goal, quantities)).transpose()?;
+    let written = raw.marking.as_ref().map(|t| t.span.clone());
+    let marking = raw.marking.map(|t| marking(&t)).transpose()?.unwrap_or(Marking::Doerfler(0.5));
+    if let (Marking::Threshold(_), Some(_), Some(span)) = (marking, &goal, written) {
+        let fault = Fault::new(span, "has a threshold, which is one of the energy, beside a goal", "not with a goal");
+        return Err(fault.help("take { doerfler = 0.5 }, { maximum = 0.5 } or { fraction = 0.1 }"));
+    }
     Ok(Adapt {
         estimator: raw.estimator.unwrap_or(Estimator::Spr),
-        marking: raw.marking.map(|t| marking(&t)).transpose()?.unwrap_or(Marking::Doerfler(0.5)),
+        marking,
         grow: raw.grow.map(|n| integer(&n, 0..=100)).transpose()?.unwrap_or(0),
+        goal,
     })
 }
 
