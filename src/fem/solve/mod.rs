@@ -156,7 +156,7 @@ impl<'a> Problem<'a> {
         let rhs = residual(system, &lifting);
         let scale = norm(&rhs);
         let out_of_range = |what| Err(FemError::OutOfRange { what });
-        if !system.stiffness.blocks.iter().all(glam::DMat3::is_finite) {
+        if !system.stiffness.blocks.par_iter().with_min_len(super::block_matrix::CHUNK).all(glam::DMat3::is_finite) {
             return out_of_range("stiffness matrix");
         }
         if !scale.is_finite() || (scale == 0.0 && rhs.iter().any(|f| *f != DVec3::ZERO)) {
