@@ -11,14 +11,16 @@
 //! parallelogram identity), as recovery is linear. It is added to the quantity (Pierce and Giles 2000), which is more
 //! accurate for it. The error bar of the sum takes each share to be between once and twice what recovery finds, whatever its
 //! sign, as effectivities from 0.7 to 1 mean it for squares: `|E| / 2 + sum |E_K| / 2`. Added are bounds of what recovery does
-//! not see, `unseen_K eta*_K` and its like. All is multiplied by `1 + (6 / n)^(1/3)`, n cells, an allowance for meshes of few
-//! cells across, where recovery has little to go by. The bar is an estimate all the same: none holds on meshes that do not show
-//! the solution at all.
+//! not see, `unseen_K eta*_K` and its like. All is multiplied by `1 + 2 (6 / n)^(1/3)`, with `n = (sum |E_K|)^2 / sum E_K^2` cells
+//! that hold the error: as many fill a cube of `(n / 6)^(1/3)` cells across, and the relative error of recovery is taken to be of
+//! the order of their size. The bar is an estimate all the same: none holds on meshes that do not show the solution at all.
 //!
-//! The residual estimator knows no signs. With it nothing is added, and the bar is the sum of the products `eta_K eta*_K`.
+//! The residual estimator knows no signs. With it nothing is added, and the bar is the sum of the products `eta_K eta*_K`, and
+//! of what is missed of prescribed displacements.
 //!
-//! These products are what marking takes for the squared errors of the cells: refinement is worth its price where the error of
-//! the displacement is large and matters (Becker and Rannacher 2001).
+//! Marking takes `|E_K|` for the squared error of a cell, and a fifth of `eta_K eta*_K`, lest a cell whose d and d* are
+//! orthogonal by chance is passed over; refinement is worth its price where the error of the displacement is large and matters
+//! (Becker and Rannacher 2001).
 
 use super::estimate::{CellErrors, mass};
 use super::options::Estimator;
@@ -27,6 +29,9 @@ use crate::mesh::quality::EDGES;
 use crate::mesh::{Face, topology};
 use glam::DVec3;
 use rayon::prelude::*;
+
+/// What the product of both errors of a cell counts for beside their integral.
+const CHANCE: f64 = 0.2;
 
 /// A problem, what solved it, and its estimated errors.
 #[derive(Clone, Copy)]
@@ -56,29 +61,25 @@ pub struct GoalError {
 #[must_use]
 pub fn goal_error(primal: Side<'_>, dual: Side<'_>, estimator: Estimator) -> GoalError {
     let count = primal.stress.cells();
-    let size = |t: usize| (primal.errors.squared[t] * dual.errors.squared[t]).sqrt();
-    let mut cells: Vec<f64> = (0..count).map(size).collect();
     let shares = (0..count).into_par_iter().map(|t| product(primal, dual, t) + cut(primal, dual, t));
     let mut shares: Vec<f64> = shares.collect();
-    for (t, value) in at_supports(primal, dual) {
-        shares[t] += value;
-        cells[t] += value.abs();
-    }
-    match std::env::var("GM").as_deref() {
-        Ok("1") => { for t in 0..count { cells[t] = shares[t].abs(); } }
-        Ok("2") => { let (e, z) = (primal.errors.energy().powi(2), dual.errors.energy().powi(2)); for t in 0..count { cells[t] = primal.errors.squared[t]/e + dual.errors.squared[t]/z; } }
-        Ok("3") => { for t in 0..count { cells[t] = shares[t].abs() + 0.2 * cells[t]; } }
-        _ => {}
-    }
-    if primal.errors.unestimated.len() + dual.errors.unestimated.len() > 0 {
-        return GoalError { correction: 0.0, bar: f64::NAN, cells };
-    }
+    let missed = at_supports(primal, dual);
+    let size = |t: usize| (primal.errors.squared[t] * dual.errors.squared[t]).sqrt();
     if estimator == Estimator::Residual {
+        let mut cells: Vec<f64> = (0..count).map(size).collect();
+        missed.into_iter().for_each(|(t, value)| cells[t] += value.abs());
         return GoalError { correction: 0.0, bar: cells.iter().sum(), cells };
+    }
+    missed.into_iter().for_each(|(t, value)| shares[t] += value);
+    let cells = (0..count).map(|t| shares[t].abs() + CHANCE * size(t)).collect();
+    if !(primal.errors.unestimated.is_empty() && dual.errors.unestimated.is_empty()) {
+        return GoalError { correction: 0.0, bar: f64::NAN, cells };
     }
     let correction: f64 = shares.iter().sum();
     let sizes: f64 = shares.iter().map(|share| share.abs()).sum();
-    let coarse = 1.0 + (6.0 / count as f64).cbrt();
+    let squares: f64 = shares.iter().map(|share| share * share).sum();
+    let holders = if squares > 0.0 { sizes * sizes / squares } else { 1.0 };
+    let coarse = 1.0 + 2.0 * (6.0 / holders).cbrt();
     GoalError { correction, bar: coarse * (0.5 * (correction.abs() + sizes) + unseen(primal, dual)), cells }
 }
 

@@ -1,7 +1,7 @@
 //! Marking: an error per cell in, the cells to refine out.
 
-use super::options::Marking;
 use super::AdaptError;
+use super::options::Marking;
 
 /// Selects cells by their estimated squared errors, one entry a cell; and those whose error is not known, as their
 /// children's will be.

@@ -177,3 +177,104 @@ fn unit_tensor(field: Field) -> Option<SymTensor> {
     tensor[place] = if place < 3 { 1.0 } else { 0.5 };
     Some(tensor)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::options::{Element, Method, SolverOptions};
+    use super::super::{Data, Kept, State, Support, assemble, load_forces, recover, solve_keeping};
+    use super::*;
+    use crate::mesh::generate::box_tets;
+    use crate::mesh::locate::Locator;
+    use crate::mesh::{GroupId, RegionId, TetMesh};
+
+    /// A box of two materials that meet at x = 1.
+    fn two_materials() -> TetMesh {
+        let mut parts = box_tets([2.0, 1.0, 1.0], [4, 2, 3]).unwrap().into_parts();
+        let middle = |tet: &[u32; 4]| tet.iter().map(|&v| parts.points[v as usize].x).sum::<f64>() / 4.0;
+        parts.regions = parts.tets.iter().map(|t| RegionId(u16::from(middle(t) > 1.0))).collect();
+        parts.region_names = vec!["hard".to_owned(), "soft".to_owned()];
+        TetMesh::new(parts).unwrap()
+    }
+
+    fn group(mesh: &TetMesh, name: &str) -> GroupId {
+        mesh.group(name).unwrap()
+    }
+
+    fn model(mesh: &TetMesh) -> Model {
+        let hard = Material { youngs_modulus: 9.0, poissons_ratio: 0.2, density: 0.0 };
+        let soft = Material { youngs_modulus: 2.0, poissons_ratio: 0.4, ..hard };
+        let bed =
+            Support { stiffness: DVec3::new(0.5, 0.0, 2.0), ..Support::new("bed", group(mesh, "z-min"), [None; 3]) };
+        let clamp = Support::new("clamp", group(mesh, "x-min"), [Some(0.0); 3]);
+        let load = |kind| Load { name: "load".to_owned(), kind };
+        let loads = vec![
+            load(LoadKind::Traction(group(mesh, "x-max"), VectorField::from(DVec3::new(0.3, 0.1, -0.4)))),
+            load(LoadKind::BodyForce(VectorField::from(DVec3::new(0.0, 0.2, -0.1)))),
+        ];
+        Model { materials: vec![hard, soft], supports: vec![clamp, bed], loads }
+    }
+
+    /// Betti's theorem: where nothing is moved, a quantity is the work of the loads on its dual solution.
+    #[test]
+    fn a_quantity_is_the_work_of_the_loads_on_its_dual_solution() {
+        let mesh = two_materials();
+        let model = model(&mesh);
+        let within = Some([DVec3::new(0.4, 0.1, 0.2), DVec3::new(1.3, 0.8, 0.9)]);
+        let kinds = [
+            QuantityKind::Average(Field::Uy, Extent::Faces(group(&mesh, "x-max"))),
+            QuantityKind::Average(Field::Uz, Extent::Cells(Cells { region: None, within })),
+            QuantityKind::Average(Field::Sxy, Extent::Cells(Cells { region: None, within })),
+            QuantityKind::Average(Field::Szz, Extent::Cells(Cells { region: Some(RegionId(1)), within: None })),
+            QuantityKind::Reaction(0, 0),
+            QuantityKind::Reaction(0, 2),
+            QuantityKind::Reaction(1, 2),
+        ];
+        for (element, method) in [(Element::Tet4, Method::Direct), (Element::Tet10, Method::AmgCg)] {
+            let space = Space::new(&mesh, element, &[]);
+            let options = SolverOptions { method, tolerance: 1e-12, ..SolverOptions::default() };
+            let mut kept = Kept::default();
+            let mut system = assemble(&space, &model).unwrap();
+            let solved = solve_keeping(&system, &options, None, &mut kept).unwrap();
+            let solution = recover(&space, &model, &system, &solved);
+            let state = State { space: &space, model: &model, solution: &solution, recovered: &|_| [[0.0; 6]; 10] };
+            let locator = Locator::new(&mesh);
+            for kind in kinds {
+                let goal = Goal::new(&space, &model, kind).unwrap();
+                system = goal.system(&space, system).unwrap();
+                let dual = solve_keeping(&system, &options, None, &mut kept).unwrap().displacement;
+                let mut work = 0.0;
+                for load in &model.loads {
+                    let forces = load_forces(&space, &model, load).unwrap();
+                    work += forces.iter().zip(&dual).map(|(f, z)| f.dot(*z)).sum::<f64>();
+                }
+                let value = state.value(kind, &|p| locator.nearest(p));
+                assert!((work - value).abs() < 1e-9 * value.abs().max(0.1), "{element:?} {kind:?}: {work} {value}");
+            }
+        }
+    }
+
+    /// The indicator of a box is approximated best: its rest is orthogonal to what the elements see, and vanishes inside and
+    /// outside.
+    #[test]
+    fn shares_add_up_to_the_box() {
+        let mesh = two_materials();
+        let within = Some([DVec3::new(0.4, 0.1, 0.2), DVec3::new(1.3, 0.8, 0.9)]);
+        let kind = |field| QuantityKind::Average(field, Extent::Cells(Cells { region: None, within }));
+        for (element, field) in [(Element::Tet4, Field::Sxx), (Element::Tet4, Field::Ux), (Element::Tet10, Field::Sxx)]
+        {
+            let space = Space::new(&mesh, element, &[]);
+            let goal = Goal::new(&space, &model(&mesh), kind(field)).unwrap();
+            let data = Data::of_goal(&space, &goal);
+            let (mut volume, mut cut) = (0.0, 0);
+            for t in 0..mesh.tets().len() {
+                let share = data.in_cells().unwrap().share(&space, t);
+                volume += mesh.cell_volume(t) * share.corners.iter().sum::<f64>() / 4.0;
+                let inside: f64 = share.points.iter().map(|(_, w)| w).sum();
+                let is_cut = inside > 1e-9 && inside < mesh.cell_volume(t) - 1e-9;
+                assert_eq!(share.rest > 0.0, is_cut, "cell {t}");
+                cut += usize::from(is_cut);
+            }
+            assert!((volume - 0.9 * 0.7 * 0.7).abs() < 1e-12 && cut > 20, "{volume} {cut}");
+        }
+    }
+}

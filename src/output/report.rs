@@ -408,7 +408,9 @@ pub(super) mod tests {
     #[test]
     fn the_report_has_the_promised_keys_and_no_other() {
         let mut record = step(0);
-        record.quantities.push(("tip".to_owned(), QuantityRecord { value: 1.0, error: Some(0.1), computed: Some(1.1) }));
+        record
+            .quantities
+            .push(("tip".to_owned(), QuantityRecord { value: 1.0, error: Some(0.1), computed: Some(1.1) }));
         let json = serde_json::to_value(report(vec![record])).unwrap();
         let promised = [
             (

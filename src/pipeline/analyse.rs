@@ -47,6 +47,7 @@ pub(super) fn analyse<'m>(
     let mut kept = Kept::default();
     let options = &plan.scenario.solver;
     let solved = timed(&mut seconds.solve, || fem::solve_keeping(&system, options, None, &mut kept))?;
+    let kept = problem.goal.map(|_| kept);
     phase.say(format!("step {index}: estimate the error"));
     let estimator = plan.scenario.adapt.estimator;
     let (solution, errors) = timed(&mut seconds.estimate, || {
@@ -57,7 +58,7 @@ pub(super) fn analyse<'m>(
     });
     let (dofs, free_dofs) = (system.dofs(), system.free_dofs());
     let mut analysed = Analysed { space, solution, errors, goal: None, dofs, free_dofs };
-    if let Some(goal) = problem.goal {
+    if let (Some(goal), Some(kept)) = (problem.goal, kept) {
         phase.say(format!("step {index}: solve the dual problem of `{}`", problem.quantities[goal].name));
         analysed.goal = goal_error(&analysed, problem, plan, (system, kept), seconds)?;
     }
@@ -75,15 +76,18 @@ fn goal_error(
     let kind = problem.goal.map(|q| problem.quantities[q].kind);
     let Some(goal) = kind.and_then(|kind| Goal::new(&analysed.space, &problem.model, kind)) else { return Ok(None) };
     let (space, estimator) = (&analysed.space, plan.scenario.adapt.estimator);
+    let unbalanced = system.unbalanced(&analysed.solution.displacement);
     let system = timed(&mut seconds.assemble, || goal.system(space, system))?;
-    let solved =
-        timed(&mut seconds.solve, || fem::solve_keeping(&system, &plan.scenario.solver, None, &mut kept))?;
+    let solved = timed(&mut seconds.solve, || fem::solve_keeping(&system, &plan.scenario.solver, None, &mut kept))?;
     Ok(timed(&mut seconds.estimate, || {
         let dual = fem::recover(space, goal.model(), &system, &solved);
         let [data, of_goal] = [Data::new(space, &problem.model, problem.exact.as_ref()), Data::of_goal(space, &goal)];
         let errors = adapt::estimate_solved(&of_goal, &dual.displacement, &dual.stress, estimator);
         let primal = side(&data, &analysed.solution, &analysed.errors);
-        Some(adapt::goal_error(primal, side(&of_goal, &dual, &errors), estimator))
+        let mut error = adapt::goal_error(primal, side(&of_goal, &dual, &errors), estimator);
+        // What the solver's residual makes of the quantity: the forces that are not balanced times the dual solution.
+        error.bar += unbalanced.iter().zip(&dual.displacement).map(|(f, z)| f.dot(*z)).sum::<f64>().abs();
+        Some(error)
     }))
 }
 

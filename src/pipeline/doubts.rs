@@ -41,7 +41,8 @@ pub(super) fn about(step: &Step<'_>, before: Option<&StepRecord>, record: &StepR
             percent(largest / diagonal)
         )
     });
-    let coarse = step.analysed.goal.as_ref().zip(goal_of(record)).filter(|(goal, value)| goal.bar > COARSE * value.abs());
+    let coarse =
+        step.analysed.goal.as_ref().zip(goal_of(record)).filter(|(goal, value)| goal.bar > COARSE * value.abs());
     let coarse = coarse.map(|(goal, value)| {
         format!(
             "step {index}: the error bar {} of the quantity aimed at is no small part of its value {}: such meshes are too \

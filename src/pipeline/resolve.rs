@@ -83,6 +83,7 @@ pub fn resolve_curved(scenario: &Scenario, mesh: TetMesh, midsides: Vec<Midside>
     let mut warnings =
         if exact.is_none() { loading::warnings(&space, &model).map_err(with_place)? } else { Vec::new() };
     warnings.extend(loading::idle_supports(&space, &model).map_err(with_place)?);
+    warnings.extend(goal.and_then(|goal| loading::shared_reaction(&space, &model, &quantities[goal])));
     drop(space);
     let mesh = with_features(scenario, mesh)?;
     Ok(Resolved { mesh, midsides, element: scenario.element, model, quantities, goal, exact, selections, warnings })

@@ -134,7 +134,9 @@ fn reason_to_stop(
         Some(reason)
     } else if plan.strategy == Strategy::None || index >= plan.scenario.refine.steps {
         Some(StopReason::Steps)
-    } else if analysed.relative_error() <= ROUNDING || goal.is_some_and(|(value, bar)| bar <= GOAL_ROUNDING * value.abs()) {
+    } else if analysed.relative_error() <= ROUNDING
+        || goal.is_some_and(|(value, bar)| bar <= GOAL_ROUNDING * value.abs())
+    {
         Some(StopReason::Exact)
     } else if stop.max_cells.is_some_and(|most| cells >= most) {
         Some(StopReason::MaxCells)

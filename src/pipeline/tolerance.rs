@@ -26,7 +26,7 @@ pub(super) fn missed(scenario: &Scenario, strategy: Strategy, report: &Report) -
     let last = report.steps.last()?;
     let mut sentences = Vec::new();
     if let Some(asked) = scenario.refine.stop.relative_error
-        && !(last.error.relative <= asked)
+        && (last.error.relative > asked || last.error.relative.is_nan())
     {
         let reached = match last.error.relative {
             r if r.is_nan() => "the relative error cannot be estimated".to_owned(),

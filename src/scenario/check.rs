@@ -26,7 +26,7 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
     let quantities = wanted::quantities(raw.quantities.unwrap_or_default(), &names, &place)?;
     let element = raw.analysis.and_then(|t| t.value.element).unwrap_or_default();
     warnings.extend(locking(&materials, element));
-    let adapt = adapt(raw.adapt.map(|t| t.value).unwrap_or_default(), &quantities)?;
+    let adapt = adapt(raw.adapt.map(|t| t.value).unwrap_or_default(), &quantities, &supports)?;
     let refine = refine(raw.refine.map(|t| t.value), adapt.goal.is_some(), &mut warnings)?;
     let midside = midside(raw.mesh.as_ref(), element)?;
     Ok(Scenario {
@@ -265,8 +265,8 @@ fn stop(raw: &RawStop, has_goal: bool) -> Checked<Stop> {
     })
 }
 
-fn adapt(raw: RawAdapt, quantities: &[Quantity]) -> Checked<Adapt> {
-    let goal = raw.goal.as_ref().map(|goal| wanted::goal(goal, quantities)).transpose()?;
+fn adapt(raw: RawAdapt, quantities: &[Quantity], supports: &[Support]) -> Checked<Adapt> {
+    let goal = raw.goal.as_ref().map(|goal| wanted::goal(goal, quantities, supports)).transpose()?;
     let written = raw.marking.as_ref().map(|t| t.span.clone());
     let marking = raw.marking.map(|t| marking(&t)).transpose()?.unwrap_or(Marking::Doerfler(0.5));
     if let (Marking::Threshold(_), Some(_), Some(span)) = (marking, &goal, written) {

@@ -1,5 +1,6 @@
 //! What is asked of a solution: quantities, probes, and what they are expected to be.
 
+use super::actions::Support;
 use super::error::Fault;
 use super::numbers::{Checked, finite, integer, positive, vector, within};
 use super::raw::{Integer, Named, Number, RawExact, RawQuantity, Table, Text, Vector};
@@ -286,7 +287,7 @@ fn no_extent(raw: RawQuantity, span: &Range<usize>, why: &str) -> Checked<()> {
 }
 
 /// Checks `adapt.goal`: the name of a quantity that has a dual problem.
-pub(super) fn goal(name: &Text, quantities: &[Quantity]) -> Checked<String> {
+pub(super) fn goal(name: &Text, quantities: &[Quantity], supports: &[Support]) -> Checked<String> {
     let Some(quantity) = quantities.iter().find(|q| q.name == *name.get_ref()) else {
         let names: Vec<&str> = quantities.iter().map(|q| q.name.as_str()).collect();
         let help = match &names[..] {
@@ -296,7 +297,7 @@ pub(super) fn goal(name: &Text, quantities: &[Quantity]) -> Checked<String> {
         let problem = format!("is {:?}, which is not a quantity", name.get_ref());
         return Err(Fault::new(name.span(), problem, "unknown quantity").help(help));
     };
-    match no_goal(&quantity.kind) {
+    match no_goal(&quantity.kind, supports) {
         None => Ok(quantity.name.clone()),
         Some((problem, help)) => {
             let problem = format!("is {:?}, {problem}", quantity.name);
@@ -306,7 +307,7 @@ pub(super) fn goal(name: &Text, quantities: &[Quantity]) -> Checked<String> {
 }
 
 /// Why a quantity cannot be aimed at, and what can instead.
-fn no_goal(kind: &QuantityKind) -> Option<(&'static str, &'static str)> {
+fn no_goal(kind: &QuantityKind, supports: &[Support]) -> Option<(&'static str, &'static str)> {
     let component = "aim at a component, such as average = \"uz\" or average = \"szz\"";
     match kind {
         QuantityKind::Average(Field::VonMises | Field::Displacement, _) => {
@@ -331,6 +332,10 @@ fn no_goal(kind: &QuantityKind) -> Option<(&'static str, &'static str)> {
         QuantityKind::Total(..) => {
             Some(("which does not depend on the displacement", "aim at a displacement, a stress or a reaction"))
         }
+        QuantityKind::Reaction(name, _) if supports.iter().any(|s| s.name == *name && s.meets.is_some()) => Some((
+            "the reaction of an edge, whose error the energy does not bound in three dimensions",
+            "hold faces instead, or aim at another quantity",
+        )),
         QuantityKind::Average(..) | QuantityKind::Reaction(..) => None,
     }
 }

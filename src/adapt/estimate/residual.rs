@@ -17,7 +17,7 @@
 //! 2001. Forces enter as they are, not projected, so that their oscillation is in the estimate. The last term is the energy of
 //! a wave of this amplitude and of length 2 h_F that decays inward. C is measured.
 
-use crate::fem::{Data, Share, Stress, SymTensor, traction};
+use crate::fem::{Data, InCells, Share, Stress, SymTensor, traction};
 use crate::mesh::{Face, topology};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -33,8 +33,8 @@ const CORNERS: [[f64; 4]; 4] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0
 pub(super) fn squared(data: &Data<'_>, displacement: &[DVec3], stress: &Stress) -> Vec<f64> {
     let mesh = data.space.mesh();
     let count = mesh.tets().len();
-    let shares = |g| (0..count).into_par_iter().map(|t| crate::fem::InCells::share(g, data.space, t)).collect();
-    let shares: Vec<Share> = data.in_cells().map_or_else(Vec::new, shares);
+    let share = |goal: &InCells| (0..count).into_par_iter().map(|t| goal.share(data.space, t)).collect();
+    let shares: Vec<Share> = data.in_cells().map_or_else(Vec::new, share);
     let degree = if stress.is_linear() { 2.0 } else { 1.0 };
     let residual = Residual { data, displacement, stress, shares: &shares, degree };
     let neighbours = topology::face_neighbours(mesh.tets());

@@ -107,12 +107,7 @@ fn factorise(
 }
 
 /// Direct for small systems; else conjugate gradients, and direct if they converge slowly and memory suffices.
-fn solve_auto(
-    problem: &Problem,
-    start: Option<&[DVec3]>,
-    limit: u64,
-    kept: &mut Kept,
-) -> Result<Solved, FemError> {
+fn solve_auto(problem: &Problem, start: Option<&[DVec3]>, limit: u64, kept: &mut Kept) -> Result<Solved, FemError> {
     let unknowns = problem.system.free_dofs();
     let mut reason = format!("{unknowns} unknowns");
     if unknowns > SMALL {
@@ -224,7 +219,7 @@ fn not_converged(
 }
 
 /// `f - K u` at the unknowns, zero elsewhere.
-fn residual(system: &System, u: &[DVec3]) -> Vec<DVec3> {
+pub(super) fn residual(system: &System, u: &[DVec3]) -> Vec<DVec3> {
     let mask = system.numbering.mask();
     let at = |i: usize| mask[i] * (system.loads[i] - system.stiffness.row_times(i, u));
     (0..u.len()).into_par_iter().with_min_len(super::block_matrix::CHUNK).map(at).collect()
