@@ -4,6 +4,7 @@ mod error;
 mod estimate;
 mod goal;
 mod grow;
+mod hessians;
 mod mark;
 pub mod options;
 

@@ -224,7 +224,7 @@ pub(super) fn cells_after(scheme: Scheme, strategy: Strategy, cells: f64, select
 fn share(marking: Marking, rings: usize) -> Option<f64> {
     let marked = match marking {
         Marking::Fraction(share) => share,
-        Marking::Doerfler(share) => 0.8 * share * share,
+        Marking::Doerfler(share) | Marking::LookAhead(share) => 0.8 * share * share,
         Marking::Maximum(share) => (1.0 - share) * (1.0 - share) / 3.0,
         Marking::Threshold(_) => return None,
     };

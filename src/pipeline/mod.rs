@@ -12,7 +12,9 @@ pub mod inspect;
 mod leftovers;
 pub mod load;
 mod loading;
+mod look_ahead;
 mod model_error;
+mod passes;
 mod quantities;
 pub mod resolve;
 mod results;
@@ -21,6 +23,8 @@ pub mod select;
 mod simulate;
 pub mod subdivide;
 mod tolerance;
+pub mod variants;
+pub mod verify;
 
 pub use model_error::ModelError;
 

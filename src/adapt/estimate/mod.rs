@@ -43,9 +43,9 @@ pub struct CellErrors {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Recovered {
     /// The patch at each vertex of each cell.
-    patches: Vec<[u32; 4]>,
+    pub(in crate::adapt) patches: Vec<[u32; 4]>,
     /// The stress at the vertex of each patch.
-    at_vertices: Vec<SymTensor>,
+    pub(in crate::adapt) at_vertices: Vec<SymTensor>,
     /// That at the other nodes of ten-node cells, six a cell.
     between: Vec<[SymTensor; 6]>,
 }

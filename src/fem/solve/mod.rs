@@ -161,12 +161,17 @@ impl<'a> Problem<'a> {
     }
 
     /// Displacement and residual to begin with: those of the guess, unless it is worse than none.
+    ///
+    /// Conjugate gradients lower the energy `d.K d / 2 - b.d = -d.(b + r) / 2` of the unknown part d with its residual r.
+    /// A guess from a coarser mesh has a low energy and yet a large residual, for it has kinks in the wrong places.
     fn start(&self, guess: Option<&[DVec3]>) -> (Vec<DVec3>, Vec<DVec3>) {
         if let Some(guess) = guess.filter(|guess| guess.len() == self.lifting.len()) {
             let mask = self.system.numbering.mask();
             let u: Vec<DVec3> = (0..guess.len()).map(|i| self.lifting[i] + mask[i] * guess[i]).collect();
             let remainder = residual(self.system, &u);
-            if norm(&remainder) < self.scale {
+            let gain = |i: usize| (u[i] - self.lifting[i]).dot(self.rhs[i] + remainder[i]);
+            // Refuses NaN too.
+            if (0..u.len()).map(gain).sum::<f64>() > 0.0 {
                 return (u, remainder);
             }
         }
