@@ -4,7 +4,6 @@ use crate::adapt::AdaptError;
 use crate::fem::FemError;
 use crate::mesh::MeshError;
 use crate::output::OutputError;
-use crate::output::table::percent;
 use crate::pipeline::ModelError;
 use crate::scenario::ScenarioError;
 
@@ -85,22 +84,17 @@ pub enum Error {
         /// The names of those that failed.
         failed: String,
     },
-    /// All refinement steps are done and the error is still above what the scenario asks for.
-    #[error("{}, {} % was asked for", reached_text(*reached), percent(*asked))]
-    #[diagnostic(help("allow more: refine.steps, or the limits of [refine.stop]"))]
+    /// The run ended before the errors that the scenario asks for were reached.
+    #[error("{reached} ({ending})")]
+    #[diagnostic(help("{help}; the results are complete"))]
     ToleranceNotReached {
-        /// `refine.stop.relative_error`.
-        asked: f64,
-        /// What the last step reached.
-        reached: f64,
+        /// What was reached and what was asked for.
+        reached: String,
+        /// Why the run ended.
+        ending: String,
+        /// What to do.
+        help: &'static str,
     },
-}
-
-fn reached_text(reached: f64) -> String {
-    if reached.is_nan() {
-        return "the relative error cannot be estimated".to_owned();
-    }
-    format!("the estimated relative error is {} %", percent(reached))
 }
 
 impl Error {

@@ -2,8 +2,9 @@
 
 use super::block_matrix::BlockMatrix;
 use super::gather::gather;
-use super::numbering::Dofs;
+use super::numbering::{Dofs, Prescribed};
 use super::options::Element;
+use super::solve::residual;
 use super::{FemError, Model, Space, check, loads, quadratic, springs, tet4, tet10};
 use crate::mesh::topology::NodeCells;
 use crate::mesh::{TetMesh, quality};
@@ -50,6 +51,17 @@ impl System {
     #[must_use]
     pub fn total_load(&self) -> DVec3 {
         self.loads.iter().sum()
+    }
+
+    /// What a displacement leaves unbalanced: `f - K u` at the unknowns, zero elsewhere.
+    #[must_use]
+    pub fn unbalanced(&self, u: &[DVec3]) -> Vec<DVec3> {
+        residual(self, u)
+    }
+
+    /// The same matrix under other nodal forces, and other values of what is prescribed.
+    pub(super) fn with_loads(self, loads: Vec<DVec3>, value: impl Fn(&Prescribed) -> f64) -> Self {
+        Self { loads, numbering: self.numbering.with_values(value), ..self }
     }
 }
 

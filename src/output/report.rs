@@ -70,7 +70,7 @@ pub enum StopReason {
     Steps,
     /// The estimated relative error is small enough.
     RelativeError,
-    /// A named quantity is exact enough.
+    /// The error bar of the quantity aimed at is small enough.
     Quantity,
     /// The next mesh would have too many cells.
     MaxCells,
@@ -78,7 +78,7 @@ pub enum StopReason {
     MaxMemory,
     /// The time is up.
     Seconds,
-    /// The estimated relative error is rounding: there is nothing to refine for.
+    /// The estimated error is rounding: there is nothing to refine for.
     Exact,
     /// The user interrupted.
     Interrupted,
@@ -147,6 +147,8 @@ pub struct ErrorRecord {
     pub energy: f64,
     /// eta / sqrt(2 * strain energy + eta^2).
     pub relative: f64,
+    /// The part of eta that bounds what data make which the elements do not see.
+    pub data: f64,
     /// mean(eta_K) / M.
     pub normalised_mean: f64,
     /// mean(eta_K^2) / M^2.
@@ -221,11 +223,14 @@ impl PhaseSeconds {
 /// A named quantity and its estimated error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct QuantityRecord {
-    /// Its value.
+    /// Its value; of the quantity aimed at corrected by its estimated error.
     pub value: f64,
-    /// Its estimated error, where there is an estimate.
+    /// The error bar of that, of the quantity aimed at: the estimated bound of the distance to the exact value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
+    /// Its value without correction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub computed: Option<f64>,
 }
 
 /// A quantity of the last step beside what the scenario expects.
@@ -348,6 +353,7 @@ pub(super) mod tests {
             error: ErrorRecord {
                 energy: 1.5,
                 relative: 0.4,
+                data: 0.0,
                 normalised_mean: 0.209,
                 normalised_mean_square: 0.06,
                 true_energy: None,
@@ -408,7 +414,9 @@ pub(super) mod tests {
     #[test]
     fn the_report_has_the_promised_keys_and_no_other() {
         let mut record = step(0);
-        record.quantities.push(("tip".to_owned(), QuantityRecord { value: 1.0, error: Some(0.1) }));
+        record
+            .quantities
+            .push(("tip".to_owned(), QuantityRecord { value: 1.0, error: Some(0.1), computed: Some(1.1) }));
         let json = serde_json::to_value(report(vec![record])).unwrap();
         let promised = [
             (
@@ -423,12 +431,12 @@ pub(super) mod tests {
             ),
             (
                 "/steps/0/error",
-                "energy relative normalised_mean normalised_mean_square true_energy true_relative effectivity",
+                "energy relative data normalised_mean normalised_mean_square true_energy true_relative effectivity",
             ),
             ("/steps/0/quality", "worst average best max_valence average_valence valence_above_50 inverted"),
             ("/steps/0/solver", "method iterations residual nonzeros"),
             ("/steps/0/seconds", "refine assemble solve estimate mark write total"),
-            ("/steps/0/quantities/tip", "value error"),
+            ("/steps/0/quantities/tip", "value error computed"),
         ];
         for (path, names) in promised {
             assert_eq!(keys(&json, path), sorted(names), "at {path:?}");

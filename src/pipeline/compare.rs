@@ -58,5 +58,5 @@ pub fn compare(scenario: &Scenario, options: &RunOptions, repeat: usize) -> Resu
         }
         print(&format!("{text}\n{doubts}results in {}\n", folder.display()))?;
     }
-    failure(scenario, adaptive).map_or(Ok(()), Err)
+    failure(scenario, Strategy::Adaptive, adaptive).map_or(Ok(()), Err)
 }

@@ -22,6 +22,7 @@ pub mod run;
 pub mod select;
 mod simulate;
 pub mod subdivide;
+mod tolerance;
 pub mod variants;
 pub mod verify;
 

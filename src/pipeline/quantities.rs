@@ -170,8 +170,24 @@ pub(super) fn values(problem: &Resolved, analysed: &Analysed<'_>) -> Vec<(String
     // Few quantities are at points.
     let locator = LazyCell::new(|| Locator::new(analysed.space.mesh()));
     let value = |q: &fem::Quantity| state.value(q.kind, &|p| locator.nearest(p));
-    let record = |q: &fem::Quantity| (q.name.clone(), QuantityRecord { value: value(q), error: None });
-    problem.quantities.iter().map(record).collect()
+    let record = |(i, q): (usize, &fem::Quantity)| {
+        let computed = value(q);
+        let goal = analysed.goal.as_ref().filter(|_| problem.goal == Some(i));
+        let record = goal.map(|goal| QuantityRecord {
+            value: computed + goal.correction,
+            error: Some(goal.bar),
+            computed: Some(computed),
+        });
+        (q.name.clone(), record.unwrap_or(QuantityRecord { value: computed, error: None, computed: None }))
+    };
+    problem.quantities.iter().enumerate().map(record).collect()
+}
+
+/// One quantity of a solution.
+pub(super) fn value(problem: &Resolved, analysed: &Analysed<'_>, index: usize) -> f64 {
+    let recovered = recovered(analysed);
+    let locator = LazyCell::new(|| Locator::new(analysed.space.mesh()));
+    state(problem, analysed, &recovered).value(problem.quantities[index].kind, &|p| locator.nearest(p))
 }
 
 fn state<'a>(

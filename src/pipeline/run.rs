@@ -6,14 +6,14 @@ use super::quantities::failed_expectations;
 use super::resolve::{Resolved, check_supports, resolve_curved};
 use super::results::Results;
 use super::simulate::{Plan, simulate};
-use super::{RunOptions, load::load, print, wrapped};
+use super::{RunOptions, load::load, print, tolerance, wrapped};
 use crate::error::Error;
 use crate::fem::options::Element;
 use crate::output::atomic::ensure_writable_dir;
 use crate::output::compare::{TRUE, error_source};
 use crate::output::plot::{Axis, error_curves};
 use crate::output::progress::Progress;
-use crate::output::report::{Report, StopReason, write_json};
+use crate::output::report::{Report, write_json};
 use crate::output::table;
 use crate::scenario::{Scenario, Strategy};
 use std::path::Path;
@@ -25,7 +25,7 @@ use std::path::Path;
 /// expects, and [`Error::ToleranceNotReached`] if it asks for an error that was not reached.
 pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<Report, Error> {
     let report = execute(scenario, options)?;
-    match failure(scenario, &report) {
+    match failure(scenario, scenario.refine.strategy, &report) {
         Some(error) => Err(error),
         None => Ok(report),
     }
@@ -92,8 +92,8 @@ pub(super) fn quantity_tables(report: &Report) -> String {
 }
 
 /// The error to end with after everything is written: an expectation that failed, or a tolerance that was not reached.
-pub(super) fn failure(scenario: &Scenario, report: &Report) -> Option<Error> {
-    failed_expectations(report).or_else(|| missed_tolerance(scenario, report))
+pub(super) fn failure(scenario: &Scenario, strategy: Strategy, report: &Report) -> Option<Error> {
+    failed_expectations(report).or_else(|| tolerance::missed(scenario, strategy, report))
 }
 
 /// The warnings of a run; `run` names it where there are several.
@@ -133,11 +133,4 @@ pub(super) fn plot_curves(folder: &Path, element: Element, runs: &[(&str, &Repor
         error_curves(&folder.join(file), axis, source, &curves)?;
     }
     Ok(())
-}
-
-/// The error to end with if the scenario asks for a relative error and the run ended without it.
-fn missed_tolerance(scenario: &Scenario, report: &Report) -> Option<Error> {
-    let asked = scenario.refine.stop.relative_error.filter(|_| report.stop_reason != StopReason::RelativeError)?;
-    let reached = report.steps.last()?.error.relative;
-    Some(Error::ToleranceNotReached { asked, reached })
 }

@@ -137,7 +137,7 @@ fn solve(path: &Path, options: &Verification, before: Option<&Problem>, problem:
         effectivity: last.error.effectivity,
     });
     // An expectation that failed stands in the table.
-    match failure(&scenario, &report) {
+    match failure(&scenario, scenario.refine.strategy, &report) {
         None | Some(Error::Unexpected { .. }) => Ok(()),
         Some(error) => Err(error),
     }

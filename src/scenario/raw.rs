@@ -2,7 +2,7 @@
 
 use super::actions::{Fixed, RawStiffness};
 use super::spanned::Spanned;
-use super::wanted::{RawExpectation, RawProbe};
+use super::wanted::{RawBound, RawExpectation, RawProbe};
 use super::{Midside, fields, shapes};
 use crate::adapt::options::Estimator;
 use crate::fem::options::{Element, ExactSolution, Field, Method, Total};
@@ -297,6 +297,7 @@ pub(super) struct RawOptimise {
 #[serde(deny_unknown_fields)]
 pub(super) struct RawStop {
     pub relative_error: Option<Number>,
+    pub quantity_error: Option<Spanned<RawBound>>,
     pub max_cells: Option<Integer>,
     pub max_memory: Option<Spanned<Bytes>>,
     pub seconds: Option<Number>,
@@ -367,6 +368,7 @@ pub(super) struct RawAdapt {
     pub estimator: Option<Estimator>,
     pub marking: Option<Table<RawMarking>>,
     pub grow: Option<Integer>,
+    pub goal: Option<Text>,
 }
 
 #[derive(Debug, Deserialize, JsonSchema)]

@@ -1,7 +1,8 @@
 //! What is asked of a solution: quantities, probes, and what they are expected to be.
 
+use super::actions::Support;
 use super::error::Fault;
-use super::numbers::{Checked, finite, integer, outside, positive, vector};
+use super::numbers::{Checked, finite, integer, outside, positive, vector, within};
 use super::raw::{Integer, Named, Number, RawExact, RawQuantity, Table, Text, Vector};
 use super::selector::{Selector, at_most_one, brick_corners};
 use super::spanned::Spanned;
@@ -9,8 +10,8 @@ use super::suggest;
 use crate::fem::options::{ExactSolution, Field, Total};
 use glam::DVec3;
 use schemars::JsonSchema;
-use serde::Deserialize;
-use std::ops::Range;
+use serde::{Deserialize, Deserializer, de};
+use std::{fmt, ops::Range};
 
 /// Most points of a probe.
 const MAX_POINTS: i64 = 1_000_000;
@@ -198,9 +199,45 @@ pub(super) struct RawExpectation {
 
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct RawTolerance {
+pub(super) struct RawTolerance {
     absolute: Option<Number>,
     relative: Option<Number>,
+}
+
+/// The bound of an error: a fraction of the value, or a table that says of what it is.
+#[derive(Debug, JsonSchema)]
+#[schemars(untagged)]
+pub(super) enum RawBound {
+    Relative(f64),
+    Tolerance(RawTolerance),
+}
+
+impl<'de> Deserialize<'de> for RawBound {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(BoundVisitor)
+    }
+}
+
+struct BoundVisitor;
+
+impl<'de> de::Visitor<'de> for BoundVisitor {
+    type Value = RawBound;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a fraction of the value such as 0.01, or { absolute = 1e-3 }")
+    }
+
+    fn visit_f64<E>(self, x: f64) -> Result<RawBound, E> {
+        Ok(RawBound::Relative(x))
+    }
+
+    fn visit_i64<E>(self, x: i64) -> Result<RawBound, E> {
+        Ok(RawBound::Relative(x as f64))
+    }
+
+    fn visit_map<A: de::MapAccess<'de>>(self, map: A) -> Result<RawBound, A::Error> {
+        RawTolerance::deserialize(de::value::MapAccessDeserializer::new(map)).map(RawBound::Tolerance)
+    }
 }
 
 type Place<'a> = &'a dyn Fn(&Range<usize>) -> String;
@@ -307,6 +344,73 @@ fn no_extent(raw: RawQuantity, span: &Range<usize>, why: &str) -> Checked<()> {
         Extent::Cells(cells) if cells == Cells::default() => Ok(()),
         _ => Err(Fault::new(span.clone(), format!("names a place, but {why}"), "this quantity")
             .help("remove the selector, `region` or `within`")),
+    }
+}
+
+/// Checks `adapt.goal`: the name of a quantity that has a dual problem.
+pub(super) fn goal(name: &Text, quantities: &[Quantity], supports: &[Support]) -> Checked<String> {
+    let Some(quantity) = quantities.iter().find(|q| q.name == *name.get_ref()) else {
+        let names: Vec<&str> = quantities.iter().map(|q| q.name.as_str()).collect();
+        let help = match &names[..] {
+            [] => format!("the scenario has no quantities: add [quantities.{}]", name.get_ref()),
+            names => suggest::help(name.get_ref(), "quantities", names),
+        };
+        let problem = format!("is {:?}, which is not a quantity", name.get_ref());
+        return Err(Fault::new(name.span(), problem, "unknown quantity").help(help));
+    };
+    match no_goal(&quantity.kind, supports) {
+        None => Ok(quantity.name.clone()),
+        Some((problem, help)) => {
+            let problem = format!("is {:?}, {problem}", quantity.name);
+            Err(Fault::new(name.span(), problem, "no goal").help(help))
+        }
+    }
+}
+
+/// Why a quantity cannot be aimed at, and what can instead.
+fn no_goal(kind: &QuantityKind, supports: &[Support]) -> Option<(&'static str, &'static str)> {
+    let component = "aim at a component, such as average = \"uz\" or average = \"szz\"";
+    match kind {
+        QuantityKind::Average(Field::VonMises | Field::Displacement, _) => {
+            Some(("which is not linear in the displacement, so that it has no dual problem", component))
+        }
+        QuantityKind::Average(field, Extent::Faces(_)) if field.is_stress() => Some((
+            "a stress on faces, whose error the energy does not bound",
+            "average it over a layer of cells, within = { min = [...], max = [...] }; or aim at the reaction of a support",
+        )),
+        QuantityKind::Maximum(..) => Some((
+            "a maximum, which is not linear in the displacement, so that it has no dual problem",
+            "aim at an average over a small box around it, within = { min = [...], max = [...] }",
+        )),
+        QuantityKind::Value(..) => Some((
+            "a value at a point, whose error the energy does not bound in three dimensions",
+            "aim at an average over a small box around it, within = { min = [...], max = [...] }",
+        )),
+        QuantityKind::Total(Total::StrainEnergy, _) => Some((
+            "an energy, which is not linear in the displacement",
+            "without a goal refinement aims at the energy, and stop.relative_error bounds its error",
+        )),
+        QuantityKind::Total(..) => {
+            Some(("which does not depend on the displacement", "aim at a displacement, a stress or a reaction"))
+        }
+        QuantityKind::Reaction(name, _) if supports.iter().any(|s| s.name == *name && s.meets.is_some()) => Some((
+            "the reaction of an edge, whose error the energy does not bound in three dimensions",
+            "hold faces instead, or aim at another quantity",
+        )),
+        QuantityKind::Average(..) | QuantityKind::Reaction(..) => None,
+    }
+}
+
+/// Checks `refine.stop.quantity_error`.
+pub(super) fn bound(raw: &Spanned<RawBound>) -> Checked<Tolerance> {
+    let number = |x: f64| Spanned::new(raw.span(), x);
+    let relative = |x: &Number| within(x, "above 0 and below 1", |e| e > 0.0 && e < 1.0).map(Tolerance::Relative);
+    match raw.get_ref() {
+        RawBound::Relative(x) => relative(&number(*x)),
+        RawBound::Tolerance(RawTolerance { relative: Some(x), absolute: None }) => relative(x),
+        RawBound::Tolerance(RawTolerance { relative: None, absolute: Some(x) }) => positive(x).map(Tolerance::Absolute),
+        RawBound::Tolerance(_) => Err(Fault::new(raw.span(), "must name one bound", "exactly one")
+            .help("a fraction of the value such as 0.01, or { absolute = 1e-3 }")),
     }
 }
 

@@ -3,7 +3,7 @@
 mod known;
 
 use super::options::ExactSolution;
-use super::{Material, Model, Solution, Space, SymTensor, System};
+use super::{Material, Model, Solution, Space, SymTensor, System, traction};
 use crate::field::{Field, Function};
 use crate::mesh::GroupId;
 use glam::DVec3;
@@ -142,15 +142,6 @@ impl Exact {
         let [error, norm] = squares.iter().fold([0.0; 2], |sum, s| [sum[0] + s[0], sum[1] + s[1]]);
         TrueError { energy: error.sqrt(), relative: (error / norm).sqrt() }
     }
-}
-
-/// The force on an area vector, `s n`.
-fn traction(s: SymTensor, n: DVec3) -> DVec3 {
-    DVec3::new(
-        s[0] * n.x + s[3] * n.y + s[5] * n.z,
-        s[3] * n.x + s[1] * n.y + s[4] * n.z,
-        s[5] * n.x + s[4] * n.y + s[2] * n.z,
-    )
 }
 
 /// Barycentric points and weights (of sum 1) on a triangle, exact up to degree 6: a square's rule with one side collapsed.

@@ -1,6 +1,6 @@
 //! Tables of named quantities.
 
-use super::super::report::{Report, StepRecord};
+use super::super::report::{QuantityRecord, Report, StepRecord};
 use super::{figures, percent, short, table, text};
 
 /// Figures printed of a quantity.
@@ -14,10 +14,16 @@ pub fn quantities(records: &[StepRecord]) -> String {
     let mut rows = table(&format!("step|{}", names.join("|")));
     for record in records {
         let mut row = vec![record.step.to_string()];
-        row.extend(record.quantities.iter().map(|(_, q)| figures(q.value, FIGURES)));
+        row.extend(record.quantities.iter().map(|(_, q)| value(q)));
         rows.add_row(row);
     }
     format!("Quantities\n{}\n", text(rows))
+}
+
+/// A value, with its error bar if there is one.
+fn value(q: &QuantityRecord) -> String {
+    let bar = q.error.map_or(String::new(), |bar| format!(" +- {}", figures(bar, 2)));
+    figures(q.value, FIGURES) + &bar
 }
 
 /// What was expected beside what came out, empty if nothing was expected.
