@@ -449,7 +449,7 @@ pub(super) fn expectations(
 ) -> Checked<Vec<Expectation>> {
     let one = |(name, Table { span, value: raw }): (String, Table<RawExpectation>)| {
         let subject = subject(name, &span, quantities, known)?;
-        Ok(Expectation { subject, bound: bound(&raw, span)?, source: raw.source })
+        Ok(Expectation { subject, bound: expected(&raw, span)?, source: raw.source })
     };
     raw.into_iter().map(one).collect()
 }
@@ -478,7 +478,7 @@ fn subject(name: String, span: &Range<usize>, quantities: &[Quantity], known: bo
 }
 
 /// What a number has to be: a value within a tolerance, or a range.
-fn bound(raw: &RawExpectation, span: Range<usize>) -> Checked<Bound> {
+fn expected(raw: &RawExpectation, span: Range<usize>) -> Checked<Bound> {
     const FORMS: &str = "value = 1.0 with tolerance = { relative = 0.01 }, or between = [0.9, 1.1]";
     match (&raw.value, &raw.tolerance, &raw.between) {
         (Some(value), Some(tolerance), None) => {
