@@ -272,7 +272,7 @@ fn stop(raw: &RawStop, has_goal: bool) -> Checked<Stop> {
     };
     Ok(Stop {
         relative_error: raw.relative_error.as_ref().map(error).transpose()?,
-        quantity_error: raw.quantity_error.as_ref().map(wanted::bound).transpose()?,
+        quantity_error: raw.quantity_error.as_ref().map(wanted::quantity_error).transpose()?,
         max_cells: raw.max_cells.as_ref().map(|n| integer(n, 1..=i64::MAX)).transpose()?,
         max_memory: raw.max_memory.as_ref().map(memory).transpose()?,
         seconds: raw.seconds.as_ref().map(positive).transpose()?,
