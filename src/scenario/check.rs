@@ -31,6 +31,7 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
     let has_goal = raw.adapt.as_ref().is_some_and(|t| t.value.goal.is_some());
     let refine = refine(raw.refine.map(|t| t.value), has_goal, &mut warnings)?;
     let asked = refine.stop.relative_error.is_some();
+    let adapt = adapt(raw.adapt.map(|t| t.value).unwrap_or_default(), asked, &quantities, &supports)?;
     Ok(Scenario {
         path: PathBuf::new(),
         directory: PathBuf::new(),
@@ -50,7 +51,7 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
         refine,
         midside,
         element,
-        adapt: adapt(raw.adapt.map(|t| t.value).unwrap_or_default(), asked, &quantities, &supports)?,
+        adapt,
         solver: solver(raw.solver.map(|t| t.value).unwrap_or_default())?,
         output: output(&raw.output.map(|t| t.value).unwrap_or_default()),
         published: raw.published.map(|t| published(t.value)).transpose()?,
@@ -271,7 +272,7 @@ fn stop(raw: &RawStop, has_goal: bool) -> Checked<Stop> {
     };
     Ok(Stop {
         relative_error: raw.relative_error.as_ref().map(error).transpose()?,
-        quantity_error: raw.quantity_error.as_ref().map(wanted::bound).transpose()?,
+        quantity_error: raw.quantity_error.as_ref().map(wanted::quantity_error).transpose()?,
         max_cells: raw.max_cells.as_ref().map(|n| integer(n, 1..=i64::MAX)).transpose()?,
         max_memory: raw.max_memory.as_ref().map(memory).transpose()?,
         seconds: raw.seconds.as_ref().map(positive).transpose()?,

@@ -402,7 +402,7 @@ fn no_goal(kind: &QuantityKind, supports: &[Support]) -> Option<(&'static str, &
 }
 
 /// Checks `refine.stop.quantity_error`.
-pub(super) fn bound(raw: &Spanned<RawBound>) -> Checked<Tolerance> {
+pub(super) fn quantity_error(raw: &Spanned<RawBound>) -> Checked<Tolerance> {
     let number = |x: f64| Spanned::new(raw.span(), x);
     let relative = |x: &Number| within(x, "above 0 and below 1", |e| e > 0.0 && e < 1.0).map(Tolerance::Relative);
     match raw.get_ref() {
