@@ -1,6 +1,6 @@
 //! The linear system: stiffness, nodal forces, and which displacements are prescribed.
 
-use super::block_matrix::BlockMatrix;
+use super::block_matrix::{BlockMatrix, CHUNK};
 use super::gather::gather;
 use super::numbering::{Dofs, Prescribed};
 use super::options::Element;
@@ -9,6 +9,7 @@ use super::{FemError, Model, Space, check, loads, quadratic, springs, tet4, tet1
 use crate::mesh::topology::NodeCells;
 use crate::mesh::{TetMesh, quality};
 use glam::{DMat3, DVec3};
+use rayon::prelude::*;
 
 /// The linear system `K u = f` of all nodes, with the displacements that are prescribed.
 #[derive(Debug, Clone)]
@@ -45,6 +46,13 @@ impl System {
     #[must_use]
     pub fn free_dofs(&self) -> usize {
         self.numbering.free()
+    }
+
+    /// `K u`, three entries a node, prescribed ones included: the forces that hold the displacement `u`. For measurements,
+    /// whose unit is the cost of this product.
+    pub fn times(&self, u: &[DVec3], forces: &mut [DVec3]) {
+        let row = |(i, f): (usize, &mut DVec3)| *f = self.stiffness.row_times(i, u);
+        forces.par_iter_mut().with_min_len(CHUNK).enumerate().for_each(row);
     }
 
     /// Sum of all loads.

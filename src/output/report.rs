@@ -185,6 +185,8 @@ pub struct QualityRecord {
 pub struct SolverRecord {
     /// Its name.
     pub method: String,
+    /// Why this one.
+    pub reason: String,
     /// Iterations; 0 for a direct solver without refinement of the solution.
     pub iterations: usize,
     /// |b - K u| / |b|.
@@ -369,7 +371,13 @@ pub(super) mod tests {
                 valence_above_50: 0.0,
                 inverted: 0,
             },
-            solver: SolverRecord { method: "direct".to_owned(), iterations: 0, residual: 1e-13, nonzeros: 100_000 },
+            solver: SolverRecord {
+                method: "direct".to_owned(),
+                reason: "asked for".to_owned(),
+                iterations: 0,
+                residual: 1e-13,
+                nonzeros: 100_000,
+            },
             seconds: PhaseSeconds {
                 assemble: 0.01,
                 solve: 0.02,
@@ -434,7 +442,7 @@ pub(super) mod tests {
                 "energy relative data normalised_mean normalised_mean_square true_energy true_relative effectivity",
             ),
             ("/steps/0/quality", "worst average best max_valence average_valence valence_above_50 inverted"),
-            ("/steps/0/solver", "method iterations residual nonzeros"),
+            ("/steps/0/solver", "method reason iterations residual nonzeros"),
             ("/steps/0/seconds", "refine assemble solve estimate mark write total"),
             ("/steps/0/quantities/tip", "value error computed"),
         ];

@@ -155,6 +155,7 @@ impl Analysed<'_> {
             quality: quality::quality(mesh).into(),
             solver: SolverRecord {
                 method: info.method.to_owned(),
+                reason: info.reason.clone(),
                 iterations: info.iterations,
                 residual: info.residual,
                 nonzeros: info.nonzeros,

@@ -131,6 +131,28 @@ fn solve_auto(problem: &Problem, start: Option<&[DVec3]>, limit: u64, kept: &mut
     }
 }
 
+/// The multigrid that conjugate gradients are preconditioned by, by itself: for measurements.
+pub struct Multigrid(amg::Hierarchy<f32>);
+
+impl Multigrid {
+    /// Sets it up.
+    ///
+    /// # Errors
+    /// [`FemError::NotPositiveDefinite`], and those of the factorisation on its last level.
+    pub fn new(system: &System) -> Result<Self, FemError> {
+        let mask = system.numbering.mask();
+        amg::Hierarchy::new(&system.stiffness, system.linear.as_ref(), &system.points, mask).map(Self)
+    }
+
+    /// One cycle: `z`, about the displacement of the nodal forces `r`, which are zero where displacements are prescribed.
+    ///
+    /// # Errors
+    /// As the factorisation's.
+    pub fn cycle(&mut self, r: &[DVec3], z: &mut [DVec3]) -> Result<(), FemError> {
+        self.0.apply(r, norm(r), z)
+    }
+}
+
 /// The system reduced to its unknowns: vectors keep one entry a node, and are zero where displacements are prescribed.
 struct Problem<'a> {
     system: &'a System,

@@ -20,6 +20,7 @@ pub fn book(book: &Book) -> String {
         }
         if problem.fault.is_some() {
             let blank = String::new;
+            let name = problem.name().to_owned();
             rows.add_row([name, blank(), blank(), blank(), blank(), blank(), error, effectivity, "FAIL".to_owned()]);
         }
     }
