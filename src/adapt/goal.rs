@@ -11,7 +11,7 @@
 //! parallelogram identity), as recovery is linear. It is added to the quantity (Pierce and Giles 2000), which is more
 //! accurate for it. The error bar of the sum takes each share to be between once and twice what recovery finds, whatever its
 //! sign, as effectivities from 0.7 to 1 mean it for squares: `|E| / 2 + sum |E_K| / 2`. Added are bounds of what recovery does
-//! not see, `unseen_K eta*_K` and its like. All is multiplied by `1 + 2 (6 / n)^(1/3)`, with `n = (sum |E_K|)^2 / sum E_K^2` cells
+//! not see, `unseen_K eta*_K` and its like. All is multiplied by `1 + 3 (6 / n)^(1/3)`, with `n = (sum |E_K|)^2 / sum E_K^2` cells
 //! that hold the error: as many fill a cube of `(n / 6)^(1/3)` cells across, and the relative error of recovery is taken to be of
 //! the order of their size. The bar is an estimate all the same: none holds on meshes that do not show the solution at all.
 //!
@@ -79,7 +79,7 @@ pub fn goal_error(primal: Side<'_>, dual: Side<'_>, estimator: Estimator) -> Goa
     let sizes: f64 = shares.iter().map(|share| share.abs()).sum();
     let squares: f64 = shares.iter().map(|share| share * share).sum();
     let holders = if squares > 0.0 { sizes * sizes / squares } else { 1.0 };
-    let coarse = 1.0 + 2.0 * (6.0 / holders).cbrt();
+    let coarse = 1.0 + 3.0 * (6.0 / holders).cbrt();
     GoalError { correction, bar: coarse * (0.5 * (correction.abs() + sizes) + unseen(primal, dual)), cells }
 }
 
