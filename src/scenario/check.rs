@@ -271,9 +271,10 @@ fn adapt(raw: RawAdapt, asked: bool) -> Checked<Adapt> {
         return Err(Fault::new(written.span(), "looks ahead to a tolerance, but none is asked for", "to which error?")
             .help("set refine.stop.relative_error, or mark by { doerfler = 0.5 }"));
     }
+    let default = if asked { Marking::LookAhead(0.8) } else { Marking::Doerfler(0.5) };
     Ok(Adapt {
         estimator: raw.estimator.unwrap_or(Estimator::Spr),
-        marking: raw.marking.map(|t| marking(&t)).transpose()?.unwrap_or(Marking::Doerfler(0.5)),
+        marking: raw.marking.map(|t| marking(&t)).transpose()?.unwrap_or(default),
         grow: raw.grow.map(|n| integer(&n, 0..=100)).transpose()?.unwrap_or(0),
     })
 }
