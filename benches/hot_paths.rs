@@ -82,6 +82,37 @@ fn assemble(bencher: Bencher, (element, bricks): (Element, usize)) {
     bencher.counter(ItemsCount::new(mesh.tets().len())).bench(|| fem::assemble(&space, &model).unwrap());
 }
 
+/// Vectors as long as there are nodes.
+fn vectors(system: &fem::System) -> [Vec<DVec3>; 2] {
+    [vec![DVec3::new(1.0, 2.0, 3.0); system.dofs() / 3], vec![DVec3::ZERO; system.dofs() / 3]]
+}
+
+/// The product with the stiffness matrix, the unit of `benches/products.rs`.
+#[divan::bench(args = [(Element::Tet4, 16), (Element::Tet4, 32), (Element::Tet10, 16)])]
+fn multiply(bencher: Bencher, (element, bricks): (Element, usize)) {
+    let mesh = cube(bricks);
+    let system = fem::assemble(&fem::Space::new(&mesh, element, &[]), &model(&mesh)).unwrap();
+    let [x, mut y] = vectors(&system);
+    bencher.counter(ItemsCount::new(mesh.tets().len())).bench_local(|| system.times(&x, &mut y));
+}
+
+#[divan::bench(args = [(Element::Tet4, 16), (Element::Tet4, 32), (Element::Tet10, 16)], sample_count = 20)]
+fn set_up_multigrid(bencher: Bencher, (element, bricks): (Element, usize)) {
+    let mesh = cube(bricks);
+    let system = fem::assemble(&fem::Space::new(&mesh, element, &[]), &model(&mesh)).unwrap();
+    bencher.counter(ItemsCount::new(mesh.tets().len())).bench(|| fem::Multigrid::new(&system).unwrap());
+}
+
+#[divan::bench(args = [(Element::Tet4, 16), (Element::Tet4, 32), (Element::Tet10, 16)])]
+fn cycle_through_multigrid(bencher: Bencher, (element, bricks): (Element, usize)) {
+    let mesh = cube(bricks);
+    let system = fem::assemble(&fem::Space::new(&mesh, element, &[]), &model(&mesh)).unwrap();
+    let mut multigrid = fem::Multigrid::new(&system).unwrap();
+    let [r, mut z] = vectors(&system);
+    let count = ItemsCount::new(mesh.tets().len());
+    bencher.counter(count).bench_local(|| multigrid.cycle(&r, &mut z).unwrap());
+}
+
 /// Setup and solution to a residual of 1e-8; the rate counts cells.
 fn solve(bencher: Bencher, method: Method, element: Element, bricks: usize) {
     let mesh = cube(bricks);

@@ -4,7 +4,6 @@ use crate::adapt::AdaptError;
 use crate::fem::FemError;
 use crate::mesh::MeshError;
 use crate::output::OutputError;
-use crate::output::table::percent;
 use crate::pipeline::ModelError;
 use crate::scenario::ScenarioError;
 
@@ -49,6 +48,13 @@ pub enum Error {
     #[error("scheme \"red\" refines all cells or none, so there is nothing adaptive to compare with")]
     #[diagnostic(help("set refine.scheme = \"sqrt3\" or \"longest-edge\"; or use `run` for global red refinement"))]
     NothingToCompare,
+    /// Two variants of a comparison would share a folder.
+    #[error("two variants are called `{name}`")]
+    #[diagnostic(help("give each --variant a name of its own, and none that --schemes has"))]
+    Variants {
+        /// Their name.
+        name: String,
+    },
     /// Quantities of the last step are not what the scenario expects.
     #[error("not as expected: {sentences}")]
     #[diagnostic(help("refine more if the mesh is too coarse, or look at [expect] and what it is compared with"))]
@@ -56,22 +62,39 @@ pub enum Error {
         /// One for each quantity.
         sentences: String,
     },
-    /// All refinement steps are done and the error is still above what the scenario asks for.
-    #[error("{}, {} % was asked for", reached_text(*reached), percent(*asked))]
-    #[diagnostic(help("allow more: refine.steps, or the limits of [refine.stop]"))]
-    ToleranceNotReached {
-        /// `refine.stop.relative_error`.
-        asked: f64,
-        /// What the last step reached.
-        reached: f64,
+    /// A folder without scenarios to verify.
+    #[error("no scenarios in {folder}", folder = folder.display())]
+    #[diagnostic(help("give a folder that holds scenarios (.toml): subsolid verify DIR"))]
+    NoScenarios {
+        /// The folder asked for.
+        folder: std::path::PathBuf,
+        /// Why it cannot be read.
+        source: Option<std::io::Error>,
     },
-}
-
-fn reached_text(reached: f64) -> String {
-    if reached.is_nan() {
-        return "the relative error cannot be estimated".to_owned();
-    }
-    format!("the estimated relative error is {} %", percent(reached))
+    /// A scenario that is to be verified says nothing of its result.
+    #[error("the scenario expects nothing")]
+    #[diagnostic(help(
+        "add a table, for example\n[expect.strain-energy]\nvalue = 1.0\ntolerance = {{ relative = 0.01 }}"
+    ))]
+    NothingExpected,
+    /// Scenarios are not as they expect, or could not be run.
+    #[error("not as expected: {failed}")]
+    #[diagnostic(help("the table tells what was expected; where it is from, the scenarios tell"))]
+    Unverified {
+        /// The names of those that failed.
+        failed: String,
+    },
+    /// The run ended before the errors that the scenario asks for were reached.
+    #[error("{reached} ({ending})")]
+    #[diagnostic(help("{help}; the results are complete"))]
+    ToleranceNotReached {
+        /// What was reached and what was asked for.
+        reached: String,
+        /// Why the run ended.
+        ending: String,
+        /// What to do.
+        help: &'static str,
+    },
 }
 
 impl Error {
@@ -80,9 +103,9 @@ impl Error {
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Unexpected { .. } => 1,
-            Self::NotVtu { .. } => 2,
-            Self::Scenario(_) | Self::NothingToCompare => 3,
+            Self::Unexpected { .. } | Self::Unverified { .. } => 1,
+            Self::NotVtu { .. } | Self::Variants { .. } => 2,
+            Self::Scenario(_) | Self::NothingToCompare | Self::NoScenarios { .. } | Self::NothingExpected => 3,
             Self::Mesh(_) => 4,
             Self::Model(_) => 5,
             Self::Fem(error) if error.is_model() => 5,

@@ -13,7 +13,8 @@ use subsolid::Error;
 use subsolid::pipeline::choice::Cells;
 use subsolid::pipeline::inspect::{Inspection, inspect};
 use subsolid::pipeline::subdivide::{Subdivision, subdivide};
-use subsolid::pipeline::{MemoryProbe, RunOptions, check, compare, run};
+use subsolid::pipeline::verify::{Verification, verify};
+use subsolid::pipeline::{MemoryProbe, RunOptions, check, compare, run, variants};
 use subsolid::scenario::Scenario;
 use subsolid::subdiv::options::{Mode, Optimise, Options, QualityMeasure, Scheme};
 
@@ -28,8 +29,20 @@ const MEMORY: MemoryProbe = MemoryProbe { reset: || ALLOCATOR.reset_peak_usage()
 fn main() -> ExitCode {
     match Cli::parse().command {
         Command::Run { scenarios, common, scenario_options } => run_all(&scenarios, &common, &scenario_options),
-        Command::Compare { scenario, repeat, common, scenario_options } => {
-            one(&scenario, &common, &scenario_options, |s, o| compare::compare(s, o, repeat.into()).map(drop))
+        Command::Compare { scenario, schemes, variants: own, repeat, common, scenario_options } => {
+            one(&scenario, &common, &scenario_options, |s, o| {
+                let mut chosen = if schemes { variants::schemes(s) } else { Vec::new() };
+                chosen.extend(own);
+                match &chosen[..] {
+                    [] => compare::compare(s, o, repeat.into()),
+                    chosen => variants::compare(s, chosen, o, repeat.into()),
+                }
+            })
+        }
+        Command::Verify { folder, markdown, output, common } => {
+            set_threads(&common);
+            let quiet = is_quiet(&common);
+            finish(verify(&Verification { folder, markdown, output, json: common.json, quiet, memory: MEMORY }))
         }
         Command::Check { scenario, common, scenario_options } => {
             one(&scenario, &common, &scenario_options, check::check)

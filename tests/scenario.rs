@@ -148,8 +148,13 @@ fn every_key_is_read() {
     assert_eq!(s.supports[0].displacement, [None, Some((-0.1).into()), Some(Field::ZERO)]);
     assert!(matches!(&s.supports[1].selector, Selector::Any(list) if list.len() == 2));
     assert_eq!(s.loads.iter().map(|l| l.name.as_str()).collect::<Vec<_>>(), ["f", "p", "w"]);
-    let stop =
-        Stop { relative_error: Some(0.05), max_cells: Some(100_000), max_memory: Some(2 << 30), seconds: Some(60.0) };
+    let stop = Stop {
+        relative_error: Some(0.05),
+        quantity_error: None,
+        max_cells: Some(100_000),
+        max_memory: Some(2 << 30),
+        seconds: Some(60.0),
+    };
     assert_eq!((s.refine.stop, s.refine.steps, s.refine.options.optimise.passes), (stop, 4, 2));
     assert_eq!(s.refine.options.optimise.measure, QualityMeasure::MinSolidAngle);
     assert_eq!((s.refine.options.boundary, s.refine.strategy), (Boundary::Approximating, Strategy::Global));

@@ -1,16 +1,16 @@
 //! Marking: an error per cell in, the cells to refine out.
 
+use super::AdaptError;
 use super::options::Marking;
-use super::{AdaptError, CellErrors};
 
-/// Selects cells by their estimated errors, one entry a cell; and those whose error is not known, as their children's
-/// will be.
+/// Selects cells by their estimated squared errors, one entry a cell; and those whose error is not known, as their
+/// children's will be.
 ///
 /// # Errors
 /// As [`mark_values`].
-pub fn mark(errors: &CellErrors, marking: Marking) -> Result<Vec<bool>, AdaptError> {
-    let mut selected = mark_values(&errors.squared, marking)?;
-    errors.unestimated.iter().for_each(|&t| selected[t as usize] = true);
+pub fn mark(squared: &[f64], unknown: &[u32], marking: Marking) -> Result<Vec<bool>, AdaptError> {
+    let mut selected = mark_values(squared, marking)?;
+    unknown.iter().for_each(|&t| selected[t as usize] = true);
     Ok(selected)
 }
 

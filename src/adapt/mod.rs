@@ -2,12 +2,14 @@
 
 mod error;
 mod estimate;
+mod goal;
 mod grow;
 mod hessians;
 mod mark;
 pub mod options;
 
 pub use error::AdaptError;
-pub use estimate::{CellErrors, Recovered, estimate};
+pub use estimate::{CellErrors, Recovered, estimate, estimate_solved};
+pub use goal::{GoalError, Side, goal_error};
 pub use grow::grow;
 pub use mark::{mark, mark_values};

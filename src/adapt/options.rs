@@ -11,6 +11,8 @@ pub enum Estimator {
     Spr,
     /// Volume-weighted averaging of the stress at each vertex.
     Averaging,
+    /// The residual of the equations, Verfuerth 1999.
+    Residual,
 }
 
 /// Which cells are selected.

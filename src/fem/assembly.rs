@@ -1,13 +1,15 @@
 //! The linear system: stiffness, nodal forces, and which displacements are prescribed.
 
-use super::block_matrix::BlockMatrix;
+use super::block_matrix::{BlockMatrix, CHUNK};
 use super::gather::gather;
-use super::numbering::Dofs;
+use super::numbering::{Dofs, Prescribed};
 use super::options::Element;
+use super::solve::residual;
 use super::{FemError, Model, Space, check, loads, quadratic, springs, tet4, tet10};
 use crate::mesh::topology::NodeCells;
 use crate::mesh::{TetMesh, quality};
 use glam::{DMat3, DVec3};
+use rayon::prelude::*;
 
 /// The linear system `K u = f` of all nodes, with the displacements that are prescribed.
 #[derive(Debug, Clone)]
@@ -46,10 +48,28 @@ impl System {
         self.numbering.free()
     }
 
+    /// `K u`, three entries a node, prescribed ones included: the forces that hold the displacement `u`. For measurements,
+    /// whose unit is the cost of this product.
+    pub fn times(&self, u: &[DVec3], forces: &mut [DVec3]) {
+        let row = |(i, f): (usize, &mut DVec3)| *f = self.stiffness.row_times(i, u);
+        forces.par_iter_mut().with_min_len(CHUNK).enumerate().for_each(row);
+    }
+
     /// Sum of all loads.
     #[must_use]
     pub fn total_load(&self) -> DVec3 {
         self.loads.iter().sum()
+    }
+
+    /// What a displacement leaves unbalanced: `f - K u` at the unknowns, zero elsewhere.
+    #[must_use]
+    pub fn unbalanced(&self, u: &[DVec3]) -> Vec<DVec3> {
+        residual(self, u)
+    }
+
+    /// The same matrix under other nodal forces, and other values of what is prescribed.
+    pub(super) fn with_loads(self, loads: Vec<DVec3>, value: impl Fn(&Prescribed) -> f64) -> Self {
+        Self { loads, numbering: self.numbering.with_values(value), ..self }
     }
 }
 

@@ -79,7 +79,8 @@ fn integrate_cells(
     Ok(())
 }
 
-fn group_area(space: &Space<'_>, group: GroupId) -> f64 {
+/// The area of the faces of a group.
+pub(super) fn group_area(space: &Space<'_>, group: GroupId) -> f64 {
     let faces = space.mesh().group_faces(group);
     faces.flat_map(|f| space.face_rule(f)).map(|(_, _, area)| area.length()).sum()
 }

@@ -1,6 +1,7 @@
 //! Isotropic linear elasticity: stress of strain, strain of stress, and their energies.
 
 use super::{Material, SymTensor};
+use glam::DVec3;
 
 impl Material {
     /// Lame's first constant, `lambda = E nu / ((1 + nu)(1 - 2 nu))`.
@@ -41,6 +42,16 @@ impl Material {
 #[must_use]
 pub fn double_contraction(a: SymTensor, b: SymTensor) -> f64 {
     (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) + 2.0 * (a[3] * b[3] + a[4] * b[4] + a[5] * b[5])
+}
+
+/// The force on an area vector, `s n`.
+#[must_use]
+pub fn traction(s: SymTensor, n: DVec3) -> DVec3 {
+    DVec3::new(
+        s[0] * n.x + s[3] * n.y + s[5] * n.z,
+        s[3] * n.x + s[1] * n.y + s[4] * n.z,
+        s[5] * n.x + s[4] * n.y + s[2] * n.z,
+    )
 }
 
 /// Von Mises' equivalent stress, `sqrt(3/2 dev(s) : dev(s))`.

@@ -51,6 +51,12 @@ impl Dofs {
         Self { mask, prescribed, free }
     }
 
+    /// The same components prescribed, with other values.
+    pub fn with_values(mut self, value: impl Fn(&Prescribed) -> f64) -> Self {
+        self.prescribed.iter_mut().for_each(|p| p.value = value(p));
+        self
+    }
+
     /// Number of unknowns.
     pub fn free(&self) -> usize {
         self.free

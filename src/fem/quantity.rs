@@ -72,6 +72,27 @@ impl Cells {
         let part = |t: usize| self.pieces(mesh, t).iter().map(clip::share).sum::<f64>();
         (0..mesh.tets().len()).map(|t| part(t) * mesh.cell_volume(t)).sum()
     }
+
+    /// Points of cell `t` with their volumes, for integrals over the part of it that belongs here. Pieces of cells across the
+    /// sides of a box are straight.
+    pub(super) fn points(&self, space: &Space<'_>, t: usize) -> Vec<(Weights, f64)> {
+        let mesh = space.mesh();
+        let pieces = self.pieces(mesh, t);
+        if pieces == [WHOLE] && space.is_curved(t) {
+            return space.cell_rule(t).map(|(l, _, volume)| (l, volume)).to_vec();
+        }
+        let points = |piece: &Piece| {
+            let volume = clip::share(piece) * mesh.cell_volume(t) / 4.0;
+            FOUR_POINTS.map(|l| (inner_point(piece, l), volume))
+        };
+        pieces.iter().flat_map(points).collect()
+    }
+
+    /// The volume of all these points.
+    pub(super) fn points_volume(&self, space: &Space<'_>) -> f64 {
+        let of_cell = |t| self.points(space, t).into_iter().map(|(_, volume)| volume).sum::<f64>();
+        (0..space.mesh().tets().len()).map(of_cell).sum()
+    }
 }
 
 /// A solution on its mesh, with the recovered stress.
@@ -155,25 +176,10 @@ impl State<'_> {
         sum / area
     }
 
-    /// Points of cell `t` with their volumes, for integrals over the part of it that belongs to `cells`. Pieces of cells
-    /// across the sides of a box are straight.
-    fn points(&self, cells: Cells, t: usize) -> Vec<(Weights, f64)> {
-        let mesh = self.space.mesh();
-        let pieces = cells.pieces(mesh, t);
-        if pieces == [WHOLE] && self.space.is_curved(t) {
-            return self.space.cell_rule(t).map(|(l, _, volume)| (l, volume)).to_vec();
-        }
-        let points = |piece: &Piece| {
-            let volume = clip::share(piece) * mesh.cell_volume(t) / 4.0;
-            FOUR_POINTS.map(|l| (inner_point(piece, l), volume))
-        };
-        pieces.iter().flat_map(points).collect()
-    }
-
     fn cell_mean(&self, field: Field, cells: Cells) -> f64 {
         let (mut sum, mut volume) = (0.0, 0.0);
         for t in 0..self.space.mesh().tets().len() {
-            for (l, weight) in self.points(cells, t) {
+            for (l, weight) in cells.points(self.space, t) {
                 let value = if field.is_stress() {
                     of_stress(field, self.solution.stress.at(t, l))
                 } else {
@@ -221,7 +227,7 @@ impl State<'_> {
                 Total::Mass => material.density,
                 Total::StrainEnergy => 0.5 * material.compliance_energy(self.solution.stress.at(t, l)),
             };
-            self.points(cells, t).into_iter().map(|(l, volume)| volume * density(l)).sum::<f64>()
+            cells.points(self.space, t).into_iter().map(|(l, volume)| volume * density(l)).sum::<f64>()
         };
         (0..mesh.tets().len()).map(cell).sum()
     }

@@ -176,7 +176,7 @@ fn curved_elements_pass_the_patch_test() {
 /// with them the solution, come an order closer.
 #[test]
 fn curved_edges_pay_on_a_sphere() {
-    let mesh = crate::mesh::generate::sphere_shell([1.0, 2.0], [4, 3]).unwrap();
+    let mesh = crate::mesh::generate::sphere_shell([1.0, 2.0], [4, 3]).unwrap().mesh;
     let on_sphere = |edge: [u32; 2]| {
         let [p, q] = edge.map(|v| mesh.points()[v as usize]);
         let radius = 0.5 * (p.length() + q.length());

@@ -70,7 +70,7 @@ pub enum StopReason {
     Steps,
     /// The estimated relative error is small enough.
     RelativeError,
-    /// A named quantity is exact enough.
+    /// The error bar of the quantity aimed at is small enough.
     Quantity,
     /// The next mesh would have too many cells.
     MaxCells,
@@ -78,7 +78,7 @@ pub enum StopReason {
     MaxMemory,
     /// The time is up.
     Seconds,
-    /// The estimated relative error is rounding: there is nothing to refine for.
+    /// The estimated error is rounding: there is nothing to refine for.
     Exact,
     /// The user interrupted.
     Interrupted,
@@ -110,6 +110,8 @@ pub struct StepRecord {
     pub solver: SolverRecord,
     /// Wall time of each phase.
     pub seconds: PhaseSeconds,
+    /// Most memory held at a time since the run began.
+    pub peak_memory_bytes: u64,
     /// Total force (x, y, z) that each support exerts, in the scenario's order.
     #[serde(serialize_with = "as_map")]
     pub reactions: Vec<(String, [f64; 3])>,
@@ -145,6 +147,8 @@ pub struct ErrorRecord {
     pub energy: f64,
     /// eta / sqrt(2 * strain energy + eta^2).
     pub relative: f64,
+    /// The part of eta that bounds what data make which the elements do not see.
+    pub data: f64,
     /// mean(eta_K) / M.
     pub normalised_mean: f64,
     /// mean(eta_K^2) / M^2.
@@ -181,6 +185,8 @@ pub struct QualityRecord {
 pub struct SolverRecord {
     /// Its name.
     pub method: String,
+    /// Why this one.
+    pub reason: String,
     /// Iterations; 0 for a direct solver without refinement of the solution.
     pub iterations: usize,
     /// |b - K u| / |b|.
@@ -219,11 +225,14 @@ impl PhaseSeconds {
 /// A named quantity and its estimated error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct QuantityRecord {
-    /// Its value.
+    /// Its value; of the quantity aimed at corrected by its estimated error.
     pub value: f64,
-    /// Its estimated error, where there is an estimate.
+    /// The error bar of that, of the quantity aimed at: the estimated bound of the distance to the exact value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
+    /// Its value without correction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub computed: Option<f64>,
 }
 
 /// A quantity of the last step beside what the scenario expects.
@@ -231,12 +240,15 @@ pub struct QuantityRecord {
 pub struct ExpectationRecord {
     /// Its value.
     pub value: f64,
-    /// What it should be.
+    /// What it should be; of a range the nearest value that is allowed.
     pub expected: f64,
     /// `value - expected`.
     pub deviation: f64,
     /// The largest deviation allowed.
     pub allowed: f64,
+    /// The range, if one is expected.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub between: Option<[f64; 2]>,
     /// Whether it is allowed.
     pub passed: bool,
     /// Where the expected value is from.
@@ -343,6 +355,7 @@ pub(super) mod tests {
             error: ErrorRecord {
                 energy: 1.5,
                 relative: 0.4,
+                data: 0.0,
                 normalised_mean: 0.209,
                 normalised_mean_square: 0.06,
                 true_energy: None,
@@ -358,7 +371,13 @@ pub(super) mod tests {
                 valence_above_50: 0.0,
                 inverted: 0,
             },
-            solver: SolverRecord { method: "direct".to_owned(), iterations: 0, residual: 1e-13, nonzeros: 100_000 },
+            solver: SolverRecord {
+                method: "direct".to_owned(),
+                reason: "asked for".to_owned(),
+                iterations: 0,
+                residual: 1e-13,
+                nonzeros: 100_000,
+            },
             seconds: PhaseSeconds {
                 assemble: 0.01,
                 solve: 0.02,
@@ -366,6 +385,7 @@ pub(super) mod tests {
                 total: 0.04,
                 ..PhaseSeconds::default()
             },
+            peak_memory_bytes: 1 << 23,
             reactions: vec![("zebra".to_owned(), [0.0, 1.0, f64::NAN]), ("ant".to_owned(), [1.0, 2.0, 3.0])],
             quantities: Vec::new(),
         }
@@ -402,7 +422,9 @@ pub(super) mod tests {
     #[test]
     fn the_report_has_the_promised_keys_and_no_other() {
         let mut record = step(0);
-        record.quantities.push(("tip".to_owned(), QuantityRecord { value: 1.0, error: Some(0.1) }));
+        record
+            .quantities
+            .push(("tip".to_owned(), QuantityRecord { value: 1.0, error: Some(0.1), computed: Some(1.1) }));
         let json = serde_json::to_value(report(vec![record])).unwrap();
         let promised = [
             (
@@ -413,16 +435,16 @@ pub(super) mod tests {
             (
                 "/steps/0",
                 "step cells nodes edges boundary_faces dofs free_dofs feature_edges feature_length volume selected \
-                 strain_energy max_displacement error quality solver seconds reactions quantities",
+                 strain_energy max_displacement error quality solver seconds peak_memory_bytes reactions quantities",
             ),
             (
                 "/steps/0/error",
-                "energy relative normalised_mean normalised_mean_square true_energy true_relative effectivity",
+                "energy relative data normalised_mean normalised_mean_square true_energy true_relative effectivity",
             ),
             ("/steps/0/quality", "worst average best max_valence average_valence valence_above_50 inverted"),
-            ("/steps/0/solver", "method iterations residual nonzeros"),
+            ("/steps/0/solver", "method reason iterations residual nonzeros"),
             ("/steps/0/seconds", "refine assemble solve estimate mark write total"),
-            ("/steps/0/quantities/tip", "value error"),
+            ("/steps/0/quantities/tip", "value error computed"),
         ];
         for (path, names) in promised {
             assert_eq!(keys(&json, path), sorted(names), "at {path:?}");

@@ -10,7 +10,7 @@ use crate::mesh::TetMesh;
 use crate::output::options::Units;
 use crate::output::report::write_json;
 use crate::output::table::{count, figures, short, units};
-use crate::scenario::{Material, Refine, Scenario, Strategy};
+use crate::scenario::{Material, Refine, Scenario, Strategy, Tolerance};
 use crate::subdiv::options::Scheme;
 use std::time::Instant;
 
@@ -207,11 +207,20 @@ fn describe_refinement(scenario: &Scenario) -> String {
         Strategy::Global => "all cells".to_owned(),
         Strategy::Adaptive => {
             let (marking, rings) = (word(&scenario.adapt.marking), scenario.adapt.grow);
-            format!("cells by {} error, {marking}, {rings} rings of neighbours", word(&scenario.adapt.estimator))
+            let what = scenario.adapt.goal.as_ref().map_or(String::new(), |goal| format!(" of `{goal}`"));
+            format!("cells by {} error{what}, {marking}, {rings} rings of neighbours", word(&scenario.adapt.estimator))
         }
     };
-    let rules = [
+    let errors = [
         stop.relative_error.map(|e| format!("relative error {e}")),
+        stop.quantity_error.zip(scenario.adapt.goal.as_ref()).map(|(asked, goal)| match asked {
+            Tolerance::Relative(fraction) => format!("relative error {fraction} of `{goal}`"),
+            Tolerance::Absolute(distance) => format!("error {distance} of `{goal}`"),
+        }),
+    ];
+    let errors = errors.into_iter().flatten().reduce(|energy, goal| format!("{energy} and {goal}"));
+    let rules = [
+        errors,
         stop.max_cells.map(|n| format!("{n} cells")),
         stop.max_memory.map(|n| format!("{n} bytes")),
         stop.seconds.map(|s| format!("{s} s")),

@@ -2,12 +2,15 @@
 
 use super::simulate::Step;
 use crate::output::report::{Report, StepRecord, StopReason};
-use crate::output::table::{count, percent};
+use crate::output::table::{count, percent, short};
 use crate::scenario::{Scenario, Strategy};
 use glam::DVec3;
 
 /// Displacement over the model's size from which small strains are in doubt.
 const LARGE_DISPLACEMENT: f64 = 0.1;
+
+/// Error bar of a quantity over its value from which it is in doubt itself.
+const COARSE: f64 = 0.5;
 
 /// The warning of a run that ends because there is nothing to refine, though there is an error.
 pub(super) const NOTHING_MARKED: &str =
@@ -38,7 +41,22 @@ pub(super) fn about(step: &Step<'_>, before: Option<&StepRecord>, record: &StepR
             percent(largest / diagonal)
         )
     });
-    [isolated, rounding, grew, large].into_iter().flatten().collect()
+    let coarse =
+        step.analysed.goal.as_ref().zip(goal_of(record)).filter(|(goal, value)| goal.bar > COARSE * value.abs());
+    let coarse = coarse.map(|(goal, value)| {
+        format!(
+            "step {index}: the error bar {} of the quantity aimed at is no small part of its value {}: such meshes are too \
+             coarse for the bar to be trusted",
+            short(goal.bar, 3),
+            short(value, 6)
+        )
+    });
+    [isolated, rounding, grew, large, coarse].into_iter().flatten().collect()
+}
+
+/// The value of the quantity that has an error bar.
+fn goal_of(record: &StepRecord) -> Option<f64> {
+    record.quantities.iter().find(|(_, q)| q.error.is_some()).map(|(_, q)| q.value)
 }
 
 /// The warning of an estimate that did not fall.
@@ -69,13 +87,18 @@ pub(super) fn ending(scenario: &Scenario, strategy: Strategy, report: &Report) -
             percent(last.error.relative),
             percent(stop.relative_error.unwrap_or_default())
         ),
+        StopReason::Quantity => {
+            let goal = scenario.adapt.goal.as_deref().unwrap_or_default();
+            let found = last.quantities.iter().find(|(name, _)| name == goal).map(|(_, q)| *q);
+            let (value, bar) = found.map_or((f64::NAN, f64::NAN), |q| (q.value, q.error.unwrap_or(f64::NAN)));
+            format!("{goal} is {} +- {}, exact enough", short(value, 6), short(bar, 3))
+        }
         StopReason::MaxCells => asked("max_cells", stop.max_cells.map(|n| n.to_string())),
         StopReason::MaxMemory => {
             format!("the next step would need more than max_memory = {} bytes", stop.max_memory.unwrap_or_default())
         }
         StopReason::Seconds => asked("seconds", stop.seconds.map(|s| s.to_string())),
         StopReason::Exact => "the estimated error is rounding".to_owned(),
-        StopReason::Quantity => "the quantity is exact enough".to_owned(),
         StopReason::Interrupted => "interrupted".to_owned(),
     };
     format!("stopped after step {}: {}, {why}", last.step, cells(last.mesh.cells))

@@ -1,6 +1,6 @@
 //! Loads that do less than they seem to.
 
-use crate::fem::{self, FemError, Load, Model, Prescribed, Space};
+use crate::fem::{self, FemError, Load, Model, Prescribed, Quantity, QuantityKind, Space, Support};
 use glam::DVec3;
 
 /// Part of a load's largest nodal force below which a component is rounding.
@@ -43,6 +43,28 @@ pub(super) fn idle_supports(space: &Space<'_>, model: &Model) -> Result<Vec<Stri
     fem::prescribed(space, model)?.iter().for_each(|p| busy[p.support as usize] = true);
     let idle = model.supports.iter().zip(busy).filter(|(s, busy)| !busy && s.stiffness == DVec3::ZERO);
     Ok(idle.map(|(s, _)| format!("support `{}` holds nothing that others do not hold already", s.name)).collect())
+}
+
+/// A warning where the reaction aimed at depends on how nodes are shared: another support prescribes the same component at
+/// their border, where the force is concentrated.
+pub(super) fn shared_reaction(space: &Space<'_>, model: &Model, goal: &Quantity) -> Option<String> {
+    let QuantityKind::Reaction(own, component) = goal.kind else { return None };
+    let support = &model.supports[own];
+    support.displacement[component].as_ref()?;
+    let nodes = support.nodes(space);
+    let shares = |other: &&Support| {
+        other.displacement[component].is_some() && other.nodes(space).iter().any(|v| nodes.binary_search(v).is_ok())
+    };
+    let others = model.supports.iter().enumerate().filter(|(i, _)| *i != own).map(|(_, s)| s);
+    let other = { others }.find(shares)?;
+    Some(format!(
+        "adapt.goal = {:?}: supports `{}` and `{}` both prescribe {} where they meet; how they share the force there depends on \
+         the mesh, which no error bar tells",
+        goal.name,
+        support.name,
+        other.name,
+        ["x", "y", "z"][component]
+    ))
 }
 
 /// The total force of a load.

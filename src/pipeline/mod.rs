@@ -14,6 +14,7 @@ pub mod load;
 mod loading;
 mod look_ahead;
 mod model_error;
+mod passes;
 mod quantities;
 pub mod resolve;
 mod results;
@@ -21,6 +22,9 @@ pub mod run;
 pub mod select;
 mod simulate;
 pub mod subdivide;
+mod tolerance;
+pub mod variants;
+pub mod verify;
 
 pub use model_error::ModelError;
 

@@ -27,6 +27,8 @@ pub struct Resolved {
     pub model: Model,
     /// The quantities asked for, on its regions and groups.
     pub quantities: Vec<fem::Quantity>,
+    /// The index of that which refinement aims at.
+    pub goal: Option<usize>,
     /// The solution that is known.
     pub exact: Option<fem::Exact>,
     /// What each selector matched.
@@ -72,6 +74,7 @@ pub fn resolve_curved(scenario: &Scenario, mesh: TetMesh, midsides: Vec<Midside>
         loads.push(fem::Load { name: load.name.clone(), kind: targets.load(load)? });
     }
     let quantities = quantities::resolve(scenario, &chosen, &mut targets)?;
+    let goal = scenario.adapt.goal.as_ref().and_then(|goal| quantities.iter().position(|q| q.name == *goal));
     let Targets { mesh, midsides, selections, .. } = targets;
     let model = Model { materials: chosen.iter().map(|m| properties(m)).collect(), supports, loads };
     // A known solution brings loads that the model does not list.
@@ -80,9 +83,10 @@ pub fn resolve_curved(scenario: &Scenario, mesh: TetMesh, midsides: Vec<Midside>
     let mut warnings =
         if exact.is_none() { loading::warnings(&space, &model).map_err(with_place)? } else { Vec::new() };
     warnings.extend(loading::idle_supports(&space, &model).map_err(with_place)?);
+    warnings.extend(goal.and_then(|goal| loading::shared_reaction(&space, &model, &quantities[goal])));
     drop(space);
     let mesh = with_features(scenario, mesh)?;
-    Ok(Resolved { mesh, midsides, element: scenario.element, model, quantities, exact, selections, warnings })
+    Ok(Resolved { mesh, midsides, element: scenario.element, model, quantities, goal, exact, selections, warnings })
 }
 
 /// Checks that the supports stop every rigid motion of every part.

@@ -7,6 +7,7 @@ use super::forecast;
 use super::look_ahead::{self, Seen};
 use super::quantities;
 use super::resolve::Resolved;
+use super::tolerance;
 use crate::adapt;
 use crate::adapt::options::Marking;
 use crate::error::Error;
@@ -37,6 +38,10 @@ pub(super) struct Step<'a> {
 /// Relative error below which an estimate is rounding.
 const ROUNDING: f64 = 1e-12;
 
+/// Error bar of a quantity, relative to its value, below which it is the solver's tolerance that it shows: as where a reaction
+/// follows from balance.
+const GOAL_ROUNDING: f64 = 1e-7;
+
 /// Runs the loop on the resolved problem. `observe` sees each step before the next mesh is made; its time counts as
 /// writing.
 ///
@@ -51,20 +56,21 @@ pub(super) fn simulate(
     let start = Instant::now();
     let (mut mesh, mut history) = (problem.mesh.clone(), History::default());
     let (mut steps, mut warnings) = (Vec::new(), Vec::new());
-    let (mut refine_seconds, mut largest_error) = (0.0, None);
+    let (mut refine_seconds, mut largest_error, mut guess) = (0.0, None, None);
     let stop_reason = loop {
         let index = steps.len();
         let mut seconds = PhaseSeconds { refine: refine_seconds, ..PhaseSeconds::default() };
-        let analysed = analyse(index, &mesh, problem, plan, &mut seconds)?;
+        let analysed = analyse(index, &mesh, problem, plan, guess.as_deref(), &mut seconds)?;
         let unit = *largest_error.get_or_insert_with(|| analysed.largest_error());
 
-        let reached = reason_to_stop(plan, index, &mesh, &analysed, start);
+        let reached = reason_to_stop(plan, index, problem, &analysed, start);
         let selected = timed(&mut seconds.mark, || select(&mesh, &analysed, plan, reached, steps.last()))?;
         let stop = reached.or_else(|| reason_not_to_refine(plan, &selected, &analysed, &mut warnings));
 
         let step = Step { index, mesh: &mesh, analysed: &analysed, selected: &selected };
         timed(&mut seconds.write, || observe(&step))?;
-        let record = record(&step, problem, seconds, unit);
+        let record =
+            StepRecord { peak_memory_bytes: (plan.memory.peak)() as u64, ..record(&step, problem, seconds, unit) };
         warnings.extend(doubts::about(&step, steps.last(), &record));
         steps.push(record);
         if let Some(reason) = stop {
@@ -73,11 +79,13 @@ pub(super) fn simulate(
         let _phase = plan.progress.phase(format!("step {}: refine", index + 1));
         refine_seconds = 0.0;
         let input = problem.mesh.points().len();
-        (mesh, history) = timed(&mut refine_seconds, || refine(&step, &history, plan, input))?;
+        let next = timed(&mut refine_seconds, || refine(&step, &history, plan, input))?;
+        guess = timed(&mut refine_seconds, || analysed.guess(&next.0, &plan.scenario.solver));
+        (mesh, history) = next;
     };
-    let last = steps.last().map_or(&[][..], |s: &StepRecord| &s.quantities);
+    let expectations = steps.last().map(|last| quantities::expectations(plan.scenario, last));
     Ok(Report {
-        expectations: quantities::expectations(plan.scenario, last),
+        expectations: expectations.unwrap_or_default(),
         schema: SCHEMA,
         program: PROGRAM.to_owned(),
         scenario: plan.scenario.path.display().to_string(),
@@ -100,12 +108,12 @@ fn refine(step: &Step<'_>, history: &History, plan: &Plan<'_>, input: usize) -> 
     if !options.optimise.ends_in_error() {
         return Ok((refined.mesh, refined.history));
     }
-    let (space, solution, errors) = (&step.analysed.space, &step.analysed.solution, &step.analysed.errors);
+    let (space, solution, indicators) = (&step.analysed.space, &step.analysed.solution, step.analysed.indicators());
     let weights = if options.optimise.directions {
-        let moments = errors.second_moments(space, &solution.displacement);
-        Weights::directions(step.mesh, &moments, &errors.squared)
+        let moments = step.analysed.errors.second_moments(space, &solution.displacement);
+        Weights::directions(step.mesh, &moments, indicators)
     } else {
-        Weights::factors(step.mesh, &errors.squared)
+        Weights::factors(step.mesh, indicators)
     };
     let weights = weights.carried_over(&refined.transfer);
     // What global refinement added stays, worth its price or not: it is asked for everywhere.
@@ -126,18 +134,22 @@ pub(super) fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {
 fn reason_to_stop(
     plan: &Plan<'_>,
     index: usize,
-    mesh: &TetMesh,
+    problem: &Resolved,
     analysed: &Analysed<'_>,
     start: Instant,
 ) -> Option<StopReason> {
     let stop = &plan.scenario.refine.stop;
-    if stop.relative_error.is_some_and(|asked| analysed.relative_error() <= asked) {
-        Some(StopReason::RelativeError)
+    let goal = analysed.goal_value(problem);
+    let cells = analysed.space.mesh().tets().len();
+    if let Some(reason) = tolerance::reached(stop, analysed.relative_error(), goal) {
+        Some(reason)
     } else if plan.strategy == Strategy::None || index >= plan.scenario.refine.steps {
         Some(StopReason::Steps)
-    } else if analysed.relative_error() <= ROUNDING {
+    } else if analysed.relative_error() <= ROUNDING
+        || goal.is_some_and(|(value, bar)| bar <= GOAL_ROUNDING * value.abs())
+    {
         Some(StopReason::Exact)
-    } else if stop.max_cells.is_some_and(|most| mesh.tets().len() >= most) {
+    } else if stop.max_cells.is_some_and(|most| cells >= most) {
         Some(StopReason::MaxCells)
     } else if stop.seconds.is_some_and(|most| start.elapsed().as_secs_f64() >= most) {
         Some(StopReason::Seconds)
@@ -178,13 +190,14 @@ fn select(
         Strategy::None => Ok(vec![false; count]),
         Strategy::Global => Ok(vec![true; count]),
         Strategy::Adaptive => {
-            let marked = adapt::mark(&analysed.errors, plan.scenario.adapt.marking)?;
+            let (indicators, unknown) = (analysed.indicators(), &analysed.errors.unestimated);
+            let marked = adapt::mark(indicators, unknown, plan.scenario.adapt.marking)?;
             let marked = match (plan.scenario.adapt.marking, plan.scenario.refine.stop.relative_error) {
                 (Marking::LookAhead(_), Some(tolerance)) => {
                     let most = marked.iter().filter(|m| **m).count() as f64;
                     let now = analysed.seen();
                     let fewer = look_ahead::marking(plan.scenario, tolerance, most, now, before.map(seen));
-                    adapt::mark(&analysed.errors, fewer)?
+                    adapt::mark(indicators, unknown, fewer)?
                 }
                 _ => marked,
             };

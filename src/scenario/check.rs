@@ -11,7 +11,7 @@ use crate::subdiv::options::{Boundary, Mode, Objective, Optimise, QualityMeasure
 use std::ops::Range;
 
 /// Most refinement steps a scenario may ask for.
-const MAX_STEPS: i64 = 20;
+pub const MAX_STEPS: i64 = 20;
 
 /// Most cells a generated box may have before each is cut into tetrahedra.
 const MAX_BOX_CELLS: usize = 100_000_000;
@@ -23,18 +23,22 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
     let materials = materials(raw.materials.unwrap_or_default(), &place)?;
     let supports = actions::supports(raw.supports.unwrap_or_default(), raw.exact.is_some(), &place)?;
     let names: Vec<&str> = supports.iter().map(|s| s.name.as_str()).collect();
+    let known = raw.exact.is_some();
     let quantities = wanted::quantities(raw.quantities.unwrap_or_default(), &names, &place)?;
     let element = raw.analysis.and_then(|t| t.value.element).unwrap_or_default();
     warnings.extend(locking(&materials, element));
     let midside = midside(raw.mesh.as_ref(), element)?;
-    let refine = refine(raw.refine.map(|t| t.value), &mut warnings)?;
+    let has_goal = raw.adapt.as_ref().is_some_and(|t| t.value.goal.is_some());
+    let refine = refine(raw.refine.map(|t| t.value), has_goal, &mut warnings)?;
     let asked = refine.stop.relative_error.is_some();
+    let adapt = adapt(raw.adapt.map(|t| t.value).unwrap_or_default(), asked, &quantities, &supports)?;
     Ok(Scenario {
         path: PathBuf::new(),
         directory: PathBuf::new(),
         document: toml::Table::new(),
         overrides: Vec::new(),
         title: raw.title.unwrap_or_default(),
+        description: raw.description.unwrap_or_default(),
         mesh: mesh(raw.mesh)?,
         features: features(raw.features)?,
         materials,
@@ -42,12 +46,12 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
         loads: actions::loads(raw.loads.unwrap_or_default(), &place)?,
         probes: wanted::probes(raw.probes.unwrap_or_default(), &place)?,
         exact: raw.exact.map(|t| wanted::exact(t, &place)).transpose()?,
-        expectations: wanted::expectations(raw.expect.unwrap_or_default(), &quantities)?,
+        expectations: wanted::expectations(raw.expect.unwrap_or_default(), &quantities, known)?,
         quantities,
         refine,
         midside,
         element,
-        adapt: adapt(raw.adapt.map(|t| t.value).unwrap_or_default(), asked)?,
+        adapt,
         solver: solver(raw.solver.map(|t| t.value).unwrap_or_default())?,
         output: output(&raw.output.map(|t| t.value).unwrap_or_default()),
         published: raw.published.map(|t| published(t.value)).transpose()?,
@@ -77,8 +81,8 @@ fn mesh(raw: Option<Table<RawMesh>>) -> Checked<MeshSource> {
             return Err(shapes::one_too_many(span));
         }
         return match value.midside {
-            Some(midside) => Err(Fault::new(midside.span(), "goes with mesh.file only", "remove this")),
-            None => Ok(MeshSource::Shape(shape)),
+            Some(midside) if !shape.is_curved() => Err(needless(&midside)),
+            _ => Ok(MeshSource::Shape(shape)),
         };
     }
     match (value.file, value.brick) {
@@ -87,10 +91,15 @@ fn mesh(raw: Option<Table<RawMesh>>) -> Checked<MeshSource> {
         (None, None) => Err(Fault::new(span, "names no mesh", "which mesh?").help(help)),
         (Some(file), None) => Ok(MeshSource::File(PathBuf::from(file.into_inner()))),
         (None, Some(brick)) => match value.midside {
-            Some(midside) => Err(Fault::new(midside.span(), "goes with mesh.file only", "remove this")),
+            Some(midside) => Err(needless(&midside)),
             None => self::brick(&brick.value),
         },
     }
+}
+
+/// The fault of `midside` beside a body whose edges are all straight.
+fn needless(midside: &Spanned<Midside>) -> Fault {
+    Fault::new(midside.span(), "goes with mesh.file and generated bodies with curved sides", "remove this")
 }
 
 fn brick(raw: &RawBrick) -> Checked<MeshSource> {
@@ -176,10 +185,10 @@ fn material(
     })
 }
 
-fn refine(raw: Option<RawRefine>, warnings: &mut Vec<String>) -> Checked<Refine> {
+fn refine(raw: Option<RawRefine>, has_goal: bool, warnings: &mut Vec<String>) -> Checked<Refine> {
     let absent = raw.is_none();
     let raw = raw.unwrap_or_default();
-    let stop = stop(&raw.stop.map(|t| t.value).unwrap_or_default())?;
+    let stop = stop(&raw.stop.map(|t| t.value).unwrap_or_default(), has_goal)?;
     let scheme = raw.scheme.as_ref().map_or(Scheme::Sqrt3, |s| *s.get_ref());
     let default = match scheme {
         _ if absent => Strategy::None,
@@ -251,7 +260,11 @@ fn moving(boundary: Boundary) -> Option<&'static str> {
     }
 }
 
-fn stop(raw: &RawStop) -> Checked<Stop> {
+fn stop(raw: &RawStop, has_goal: bool) -> Checked<Stop> {
+    if let (Some(written), false) = (&raw.quantity_error, has_goal) {
+        let fault = Fault::new(written.span(), "needs to know of which quantity", "the error of what?");
+        return Err(fault.help("name one of [quantities] in adapt.goal"));
+    }
     let error = |x| within(x, "above 0 and below 1", |e| e > 0.0 && e < 1.0);
     let memory = |bytes: &Spanned<Bytes>| match bytes.get_ref().0 {
         0 => Err(outside(bytes.span(), &0, "at least one byte")),
@@ -259,6 +272,7 @@ fn stop(raw: &RawStop) -> Checked<Stop> {
     };
     Ok(Stop {
         relative_error: raw.relative_error.as_ref().map(error).transpose()?,
+        quantity_error: raw.quantity_error.as_ref().map(wanted::quantity_error).transpose()?,
         max_cells: raw.max_cells.as_ref().map(|n| integer(n, 1..=i64::MAX)).transpose()?,
         max_memory: raw.max_memory.as_ref().map(memory).transpose()?,
         seconds: raw.seconds.as_ref().map(positive).transpose()?,
@@ -266,16 +280,25 @@ fn stop(raw: &RawStop) -> Checked<Stop> {
 }
 
 /// `asked`: whether there is a tolerance to look ahead to.
-fn adapt(raw: RawAdapt, asked: bool) -> Checked<Adapt> {
+fn adapt(raw: RawAdapt, asked: bool, quantities: &[Quantity], supports: &[Support]) -> Checked<Adapt> {
+    let goal = raw.goal.as_ref().map(|goal| wanted::goal(goal, quantities, supports)).transpose()?;
     if let Some(written) = raw.marking.as_ref().and_then(|t| t.value.look_ahead.as_ref()).filter(|_| !asked) {
         return Err(Fault::new(written.span(), "looks ahead to a tolerance, but none is asked for", "to which error?")
             .help("set refine.stop.relative_error, or mark by { doerfler = 0.5 }"));
     }
-    let default = if asked { Marking::LookAhead(0.8) } else { Marking::Doerfler(0.5) };
+    let written = raw.marking.as_ref().map(|t| t.span.clone());
+    let ahead = asked && goal.is_none();
+    let default = if ahead { Marking::LookAhead(0.8) } else { Marking::Doerfler(0.5) };
+    let marking = raw.marking.map(|t| marking(&t)).transpose()?.unwrap_or(default);
+    if let (Marking::Threshold(_) | Marking::LookAhead(_), Some(_), Some(span)) = (marking, &goal, written) {
+        let fault = Fault::new(span, "goes by the error of the energy, beside a goal", "not with a goal");
+        return Err(fault.help("take { doerfler = 0.5 }, { maximum = 0.5 } or { fraction = 0.1 }"));
+    }
     Ok(Adapt {
         estimator: raw.estimator.unwrap_or(Estimator::Spr),
-        marking: raw.marking.map(|t| marking(&t)).transpose()?.unwrap_or(default),
+        marking,
         grow: raw.grow.map(|n| integer(&n, 0..=100)).transpose()?.unwrap_or(0),
+        goal,
     })
 }
 

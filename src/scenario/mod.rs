@@ -17,10 +17,11 @@ mod translate;
 mod wanted;
 
 pub use actions::{Load, LoadKind, Support};
+pub use check::MAX_STEPS;
 pub use error::{Invalid, ScenarioError};
 pub use selector::Selector;
 pub use shapes::Shape;
-pub use wanted::{Cells, Exact, Expectation, Extent, Probe, Quantity, QuantityKind, Tolerance};
+pub use wanted::{Bound, Cells, Exact, Expectation, Extent, Figure, Probe, Quantity, QuantityKind, Subject, Tolerance};
 
 use crate::adapt::options::{Estimator, Marking};
 use crate::fem::options::{Element, SolverOptions};
@@ -42,6 +43,8 @@ pub struct Scenario {
     pub overrides: Vec<String>,
     /// `title`; the file's name without `.toml` if absent.
     pub title: String,
+    /// `description`; empty if absent.
+    pub description: String,
     /// `[mesh]`.
     pub mesh: MeshSource,
     /// `[features]`.
@@ -161,11 +164,13 @@ pub struct Refine {
     pub stop: Stop,
 }
 
-/// Rules that end a run early; each may be absent.
+/// Rules that end a run early; each may be absent. Where both errors are given, both are to be reached.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Stop {
     /// Estimated relative error to reach, in (0, 1).
     pub relative_error: Option<f64>,
+    /// Bound of the error of the quantity of `adapt.goal` to reach.
+    pub quantity_error: Option<Tolerance>,
     /// No refinement of a mesh with this many cells or more.
     pub max_cells: Option<usize>,
     /// Bytes.
@@ -175,7 +180,7 @@ pub struct Stop {
 }
 
 /// How cells are chosen for refinement.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Adapt {
     /// How the error is estimated.
     pub estimator: Estimator,
@@ -183,6 +188,8 @@ pub struct Adapt {
     pub marking: Marking,
     /// Rings of neighbours added to the marked cells.
     pub grow: usize,
+    /// The quantity that refinement aims at, which exists and has a dual problem; the energy if absent.
+    pub goal: Option<String>,
 }
 
 /// What a run writes.

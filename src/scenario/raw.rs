@@ -2,7 +2,7 @@
 
 use super::actions::{Fixed, RawStiffness};
 use super::spanned::Spanned;
-use super::wanted::{RawExpectation, RawProbe};
+use super::wanted::{RawBound, RawExpectation, RawProbe};
 use super::{Midside, fields, shapes};
 use crate::adapt::options::Estimator;
 use crate::fem::options::{Element, ExactSolution, Field, Method, Total};
@@ -61,6 +61,7 @@ pub(super) type Named<T> = BTreeMap<String, Table<T>>;
 #[schemars(title = "Scenario of Subsolid")]
 pub(super) struct RawScenario {
     pub title: Option<String>,
+    pub description: Option<String>,
     pub mesh: Option<Table<RawMesh>>,
     pub features: Option<Table<RawFeatures>>,
     pub materials: Option<Named<RawMaterial>>,
@@ -296,6 +297,7 @@ pub(super) struct RawOptimise {
 #[serde(deny_unknown_fields)]
 pub(super) struct RawStop {
     pub relative_error: Option<Number>,
+    pub quantity_error: Option<Spanned<RawBound>>,
     pub max_cells: Option<Integer>,
     pub max_memory: Option<Spanned<Bytes>>,
     pub seconds: Option<Number>,
@@ -366,6 +368,7 @@ pub(super) struct RawAdapt {
     pub estimator: Option<Estimator>,
     pub marking: Option<Table<RawMarking>>,
     pub grow: Option<Integer>,
+    pub goal: Option<Text>,
 }
 
 #[derive(Debug, Deserialize, JsonSchema)]

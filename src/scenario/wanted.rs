@@ -1,7 +1,8 @@
 //! What is asked of a solution: quantities, probes, and what they are expected to be.
 
+use super::actions::Support;
 use super::error::Fault;
-use super::numbers::{Checked, finite, integer, positive, vector};
+use super::numbers::{Checked, finite, integer, outside, positive, vector, within};
 use super::raw::{Integer, Named, Number, RawExact, RawQuantity, Table, Text, Vector};
 use super::selector::{Selector, at_most_one, brick_corners};
 use super::spanned::Spanned;
@@ -9,8 +10,8 @@ use super::suggest;
 use crate::fem::options::{ExactSolution, Field, Total};
 use glam::DVec3;
 use schemars::JsonSchema;
-use serde::Deserialize;
-use std::ops::Range;
+use serde::{Deserialize, Deserializer, de};
+use std::{fmt, ops::Range};
 
 /// Most points of a probe.
 const MAX_POINTS: i64 = 1_000_000;
@@ -88,14 +89,74 @@ pub struct Exact {
 /// What a quantity is expected to be at the last step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Expectation {
-    /// The quantity, which exists.
-    pub quantity: String,
-    /// Its value.
-    pub value: f64,
-    /// How far from it is well.
-    pub tolerance: Tolerance,
-    /// Where the value is from.
+    /// The quantity, which exists, or a figure that every run has.
+    pub subject: Subject,
+    /// What it has to be.
+    pub bound: Bound,
+    /// Where that is from.
     pub source: Option<String>,
+}
+
+/// Of what something is expected.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Subject {
+    /// A quantity of the scenario, which exists.
+    Quantity(String),
+    /// A figure of the run.
+    Figure(Figure),
+}
+
+impl Subject {
+    /// The name of its table in `[expect]`.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Quantity(name) => name,
+            Self::Figure(figure) => figure.name(),
+        }
+    }
+}
+
+/// A figure of a run that can be expected without being asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Figure {
+    /// Half of u.K.u.
+    StrainEnergy,
+    /// The estimated relative error in the energy norm.
+    RelativeError,
+    /// The true one, where the solution is known.
+    TrueRelativeError,
+    /// The estimated over the true error, where the solution is known.
+    Effectivity,
+}
+
+impl Figure {
+    const ALL: [Self; 4] = [Self::StrainEnergy, Self::RelativeError, Self::TrueRelativeError, Self::Effectivity];
+
+    /// The name of its table in `[expect]`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::StrainEnergy => "strain-energy",
+            Self::RelativeError => "relative-error",
+            Self::TrueRelativeError => "true-relative-error",
+            Self::Effectivity => "effectivity",
+        }
+    }
+
+    /// Whether only a run with a known solution has it.
+    fn needs_exact(self) -> bool {
+        matches!(self, Self::TrueRelativeError | Self::Effectivity)
+    }
+}
+
+/// What a number has to be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Bound {
+    /// A value, within a tolerance.
+    Near(f64, Tolerance),
+    /// From one number to another.
+    Between(f64, f64),
 }
 
 /// How far from a value is well.
@@ -130,16 +191,53 @@ pub(super) struct RawProbe {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawExpectation {
-    value: Number,
-    tolerance: Table<RawTolerance>,
+    value: Option<Number>,
+    tolerance: Option<Table<RawTolerance>>,
+    between: Option<Spanned<Vec<f64>>>,
     source: Option<String>,
 }
 
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct RawTolerance {
+pub(super) struct RawTolerance {
     absolute: Option<Number>,
     relative: Option<Number>,
+}
+
+/// The bound of an error: a fraction of the value, or a table that says of what it is.
+#[derive(Debug, JsonSchema)]
+#[schemars(untagged)]
+pub(super) enum RawBound {
+    Relative(f64),
+    Tolerance(RawTolerance),
+}
+
+impl<'de> Deserialize<'de> for RawBound {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(BoundVisitor)
+    }
+}
+
+struct BoundVisitor;
+
+impl<'de> de::Visitor<'de> for BoundVisitor {
+    type Value = RawBound;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a fraction of the value such as 0.01, or { absolute = 1e-3 }")
+    }
+
+    fn visit_f64<E>(self, x: f64) -> Result<RawBound, E> {
+        Ok(RawBound::Relative(x))
+    }
+
+    fn visit_i64<E>(self, x: i64) -> Result<RawBound, E> {
+        Ok(RawBound::Relative(x as f64))
+    }
+
+    fn visit_map<A: de::MapAccess<'de>>(self, map: A) -> Result<RawBound, A::Error> {
+        RawTolerance::deserialize(de::value::MapAccessDeserializer::new(map)).map(RawBound::Tolerance)
+    }
 }
 
 type Place<'a> = &'a dyn Fn(&Range<usize>) -> String;
@@ -249,6 +347,73 @@ fn no_extent(raw: RawQuantity, span: &Range<usize>, why: &str) -> Checked<()> {
     }
 }
 
+/// Checks `adapt.goal`: the name of a quantity that has a dual problem.
+pub(super) fn goal(name: &Text, quantities: &[Quantity], supports: &[Support]) -> Checked<String> {
+    let Some(quantity) = quantities.iter().find(|q| q.name == *name.get_ref()) else {
+        let names: Vec<&str> = quantities.iter().map(|q| q.name.as_str()).collect();
+        let help = match &names[..] {
+            [] => format!("the scenario has no quantities: add [quantities.{}]", name.get_ref()),
+            names => suggest::help(name.get_ref(), "quantities", names),
+        };
+        let problem = format!("is {:?}, which is not a quantity", name.get_ref());
+        return Err(Fault::new(name.span(), problem, "unknown quantity").help(help));
+    };
+    match no_goal(&quantity.kind, supports) {
+        None => Ok(quantity.name.clone()),
+        Some((problem, help)) => {
+            let problem = format!("is {:?}, {problem}", quantity.name);
+            Err(Fault::new(name.span(), problem, "no goal").help(help))
+        }
+    }
+}
+
+/// Why a quantity cannot be aimed at, and what can instead.
+fn no_goal(kind: &QuantityKind, supports: &[Support]) -> Option<(&'static str, &'static str)> {
+    let component = "aim at a component, such as average = \"uz\" or average = \"szz\"";
+    match kind {
+        QuantityKind::Average(Field::VonMises | Field::Displacement, _) => {
+            Some(("which is not linear in the displacement, so that it has no dual problem", component))
+        }
+        QuantityKind::Average(field, Extent::Faces(_)) if field.is_stress() => Some((
+            "a stress on faces, whose error the energy does not bound",
+            "average it over a layer of cells, within = { min = [...], max = [...] }; or aim at the reaction of a support",
+        )),
+        QuantityKind::Maximum(..) => Some((
+            "a maximum, which is not linear in the displacement, so that it has no dual problem",
+            "aim at an average over a small box around it, within = { min = [...], max = [...] }",
+        )),
+        QuantityKind::Value(..) => Some((
+            "a value at a point, whose error the energy does not bound in three dimensions",
+            "aim at an average over a small box around it, within = { min = [...], max = [...] }",
+        )),
+        QuantityKind::Total(Total::StrainEnergy, _) => Some((
+            "an energy, which is not linear in the displacement",
+            "without a goal refinement aims at the energy, and stop.relative_error bounds its error",
+        )),
+        QuantityKind::Total(..) => {
+            Some(("which does not depend on the displacement", "aim at a displacement, a stress or a reaction"))
+        }
+        QuantityKind::Reaction(name, _) if supports.iter().any(|s| s.name == *name && s.meets.is_some()) => Some((
+            "the reaction of an edge, whose error the energy does not bound in three dimensions",
+            "hold faces instead, or aim at another quantity",
+        )),
+        QuantityKind::Average(..) | QuantityKind::Reaction(..) => None,
+    }
+}
+
+/// Checks `refine.stop.quantity_error`.
+pub(super) fn quantity_error(raw: &Spanned<RawBound>) -> Checked<Tolerance> {
+    let number = |x: f64| Spanned::new(raw.span(), x);
+    let relative = |x: &Number| within(x, "above 0 and below 1", |e| e > 0.0 && e < 1.0).map(Tolerance::Relative);
+    match raw.get_ref() {
+        RawBound::Relative(x) => relative(&number(*x)),
+        RawBound::Tolerance(RawTolerance { relative: Some(x), absolute: None }) => relative(x),
+        RawBound::Tolerance(RawTolerance { relative: None, absolute: Some(x) }) => positive(x).map(Tolerance::Absolute),
+        RawBound::Tolerance(_) => Err(Fault::new(raw.span(), "must name one bound", "exactly one")
+            .help("a fraction of the value such as 0.01, or { absolute = 1e-3 }")),
+    }
+}
+
 /// Checks `[exact]`.
 pub(super) fn exact(Table { span, value: raw }: Table<RawExact>, place: Place) -> Checked<Exact> {
     let example = "solution = \"smooth-cube\"";
@@ -275,31 +440,70 @@ pub(super) fn probes(raw: Named<RawProbe>, place: Place) -> Checked<Vec<Probe>> 
     raw.into_iter().map(one).collect()
 }
 
-/// Checks `[expect]`; each table bears the name of a quantity.
-pub(super) fn expectations(raw: Named<RawExpectation>, quantities: &[Quantity]) -> Checked<Vec<Expectation>> {
-    let names: Vec<&str> = quantities.iter().map(|q| q.name.as_str()).collect();
-    let one = |(quantity, Table { span, value: raw }): (String, Table<RawExpectation>)| {
-        if !names.contains(&quantity.as_str()) {
-            let help = match &names[..] {
-                [] => format!("the scenario has no quantities: add [quantities.{quantity}] ({KINDS})"),
-                names => suggest::help(&quantity, "quantities", names),
-            };
-            return Err(Fault::new(span, "is not the name of a quantity", "of which quantity?").help(help));
-        }
-        let value = finite(&raw.value)?;
-        let tolerance = match (&raw.tolerance.value.absolute, &raw.tolerance.value.relative) {
-            (Some(x), None) => Tolerance::Absolute(positive(x)?),
-            (None, Some(x)) if value == 0.0 => {
-                return Err(Fault::new(x.span(), "is relative to a value of zero", "relative to 0")
-                    .help("say tolerance = { absolute = ... }"));
-            }
-            (None, Some(x)) => Tolerance::Relative(positive(x)?),
-            _ => {
-                return Err(Fault::new(raw.tolerance.span.clone(), "must name one bound", "exactly one")
-                    .help("{ relative = 0.01 } or { absolute = 1e-3 }"));
-            }
-        };
-        Ok(Expectation { quantity, value, tolerance, source: raw.source })
+/// Checks `[expect]`; each table bears the name of a quantity, or of a figure that every run has (`known`: with a known
+/// solution).
+pub(super) fn expectations(
+    raw: Named<RawExpectation>,
+    quantities: &[Quantity],
+    known: bool,
+) -> Checked<Vec<Expectation>> {
+    let one = |(name, Table { span, value: raw }): (String, Table<RawExpectation>)| {
+        let subject = subject(name, &span, quantities, known)?;
+        Ok(Expectation { subject, bound: bound(&raw, span)?, source: raw.source })
     };
     raw.into_iter().map(one).collect()
+}
+
+/// What an expectation of this name is of.
+fn subject(name: String, span: &Range<usize>, quantities: &[Quantity], known: bool) -> Checked<Subject> {
+    if quantities.iter().any(|q| q.name == name) {
+        return Ok(Subject::Quantity(name));
+    }
+    if let Some(figure) = Figure::ALL.into_iter().find(|f| f.name() == name) {
+        if figure.needs_exact() && !known {
+            let fault = Fault::new(span.clone(), "needs a known solution", "the true error is not known");
+            return Err(fault.help("add [exact] with solution = \"...\", or expect something else"));
+        }
+        return Ok(Subject::Figure(figure));
+    }
+    let figures = Figure::ALL.map(Figure::name);
+    let names: Vec<&str> = quantities.iter().map(|q| q.name.as_str()).chain(figures).collect();
+    let help = if quantities.is_empty() {
+        let figures = figures.join(", ");
+        format!("the scenario has no quantities: add [quantities.{name}] ({KINDS}); every run has {figures}")
+    } else {
+        suggest::help(&name, "quantities", &names)
+    };
+    Err(Fault::new(span.clone(), "is not the name of a quantity", "of which quantity?").help(help))
+}
+
+/// What a number has to be: a value within a tolerance, or a range.
+fn bound(raw: &RawExpectation, span: Range<usize>) -> Checked<Bound> {
+    const FORMS: &str = "value = 1.0 with tolerance = { relative = 0.01 }, or between = [0.9, 1.1]";
+    match (&raw.value, &raw.tolerance, &raw.between) {
+        (Some(value), Some(tolerance), None) => {
+            let value = finite(value)?;
+            Ok(Bound::Near(value, self::tolerance(tolerance, value)?))
+        }
+        (None, None, Some(between)) => match between.get_ref()[..] {
+            [low, high] if low.is_finite() && high.is_finite() && low < high => Ok(Bound::Between(low, high)),
+            _ => Err(outside(between.span(), &format!("{:?}", between.get_ref()), "two numbers, the smaller first")),
+        },
+        (.., Some(between)) => {
+            Err(Fault::new(between.span(), "stands beside a value", "one of the two").help(format!("say {FORMS}")))
+        }
+        (None, ..) => Err(lacks(span, "value", FORMS)),
+        (_, None, _) => Err(lacks(span, "tolerance", "tolerance = { relative = 0.01 } or { absolute = 1e-3 }")),
+    }
+}
+
+fn tolerance(raw: &Table<RawTolerance>, value: f64) -> Checked<Tolerance> {
+    match (&raw.value.absolute, &raw.value.relative) {
+        (Some(x), None) => Ok(Tolerance::Absolute(positive(x)?)),
+        (None, Some(x)) if value == 0.0 => Err(Fault::new(x.span(), "is relative to a value of zero", "relative to 0")
+            .help("say tolerance = { absolute = ... }")),
+        (None, Some(x)) => Ok(Tolerance::Relative(positive(x)?)),
+        _ => Err(Fault::new(raw.span.clone(), "must name one bound", "exactly one")
+            .help("{ relative = 0.01 } or { absolute = 1e-3 }")),
+    }
 }

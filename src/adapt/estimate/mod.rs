@@ -10,12 +10,14 @@
 mod averaging;
 mod patches;
 mod quadratic;
+mod residual;
 mod spr;
 #[cfg(test)]
 mod tests;
+mod unseen;
 
 use super::options::Estimator;
-use crate::fem::{Material, Space, Stress, SymTensor};
+use crate::fem::{Data, Material, Space, Stress, SymTensor};
 use glam::DVec3;
 use patches::Patches;
 use rayon::prelude::*;
@@ -25,6 +27,8 @@ use rayon::prelude::*;
 pub struct CellErrors {
     /// eta_K^2 for each cell: approximates a(e, e) on the cell (twice the energy of the error).
     pub squared: Vec<f64>,
+    /// The part of each of them that stands for data which the elements do not see; empty if there is none.
+    pub unseen: Vec<f64>,
     /// Recovered stress at each node; where regions meet, the mean of theirs weighted by their volumes around it. For
     /// output. Zero at a node without cells.
     pub nodal_stress: Vec<SymTensor>,
@@ -65,6 +69,12 @@ impl CellErrors {
         self.squared.iter().sum::<f64>().sqrt()
     }
 
+    /// The part of eta that stands for data which the elements do not see.
+    #[must_use]
+    pub fn unseen(&self) -> f64 {
+        self.unseen.iter().sum::<f64>().sqrt()
+    }
+
     /// eta / sqrt(2 U + eta^2) with the strain energy U = u.K.u / 2 of the solution; 0 where nothing is strained, NaN
     /// where the error of a cell is not known.
     #[must_use]
@@ -75,7 +85,22 @@ impl CellErrors {
     }
 }
 
-/// Estimates the error of each cell from the stress of its elements.
+/// Estimates the error of each cell of a solved problem: by recovery, with a bound of what data make that the elements do not
+/// see; or by the residual.
+#[must_use]
+pub fn estimate_solved(data: &Data<'_>, displacement: &[DVec3], stress: &Stress, estimator: Estimator) -> CellErrors {
+    let mut errors = estimate(data.space, &data.model.materials, stress, estimator);
+    if estimator == Estimator::Residual {
+        errors.squared = residual::squared(data, displacement, stress);
+        errors.unestimated.clear();
+    }
+    errors.unseen = unseen::squared(data, estimator);
+    errors.squared.iter_mut().zip(&errors.unseen).for_each(|(sum, unseen)| *sum += unseen);
+    errors
+}
+
+/// Estimates the error of each cell from the stress of its elements alone, by recovery (SPR for the residual estimator, which
+/// needs more than the stress: [`estimate_solved`]).
 ///
 /// `materials` has one entry a region.
 #[must_use]
@@ -92,7 +117,7 @@ pub fn estimate(space: &Space<'_>, materials: &[Material], stress: &Stress, esti
     };
     let unestimated = patches.isolated();
     let recovered = Recovered { patches: patches.into_cells(), at_vertices, between };
-    CellErrors { squared, nodal_stress, recovered, unestimated }
+    CellErrors { squared, unseen: Vec::new(), nodal_stress, recovered, unestimated }
 }
 
 /// What an estimate gives: squared errors of the cells, stress at the nodes, at the vertices of the patches, and between the
@@ -113,7 +138,7 @@ fn linear<'a>(
 ) -> Estimate {
     let mesh = field.space.mesh();
     let centroids: Vec<DVec3> = match estimator {
-        Estimator::Spr => {
+        Estimator::Spr | Estimator::Residual => {
             let cells = (0..mesh.tets().len()).into_par_iter();
             cells.map(|t| mesh.cell_points(t).into_iter().sum::<DVec3>() / 4.0).collect()
         }
@@ -124,7 +149,7 @@ fn linear<'a>(
         .map(|p| {
             let cells = patches.to_recover_from(p);
             match estimator {
-                Estimator::Spr => spr::recover(field, &centroids, patches.vertex(p), &cells),
+                Estimator::Spr | Estimator::Residual => spr::recover(field, &centroids, patches.vertex(p), &cells),
                 Estimator::Averaging => averaging::recover(field, &cells),
             }
         })
@@ -154,6 +179,15 @@ struct Field<'a> {
 impl Field<'_> {
     fn volume_of(&self, cells: &[u32]) -> f64 {
         cells.iter().map(|&t| self.volumes[t as usize]).sum()
+    }
+}
+
+/// Mean of the product of the shape functions of nodes `a` and `b` over a cell of four or ten nodes.
+pub(super) fn mass(nodes: usize, a: usize, b: usize) -> f64 {
+    match nodes {
+        4 if a == b => 0.1,
+        4 => 0.05,
+        _ => quadratic::shape_product(a, b),
     }
 }
 

@@ -29,7 +29,7 @@ pub(super) fn estimate<'a>(
     let fits: Vec<Polynomial> = (0..patches.len())
         .into_par_iter()
         .map(|p| match estimator {
-            Estimator::Spr => Polynomial::recover(field, patches, p),
+            Estimator::Spr | Estimator::Residual => Polynomial::recover(field, patches, p),
             Estimator::Averaging => Polynomial::mean(field, patches, p),
         })
         .collect();
@@ -82,7 +82,7 @@ impl Recovered<'_> {
             }
             let [i, j] = EDGES[a - 4];
             match self.estimator {
-                Estimator::Spr => {
+                Estimator::Spr | Estimator::Residual => {
                     let middle = x[i].midpoint(x[j]);
                     let [p, q] = [i, j].map(|k| self.fits[patches[k] as usize].at(middle));
                     std::array::from_fn(|c| 0.5 * (p[c] + q[c]))
@@ -126,7 +126,7 @@ impl Recovered<'_> {
 }
 
 /// Mean of `N_a N_b` over a cell.
-fn shape_product(a: usize, b: usize) -> f64 {
+pub(super) fn shape_product(a: usize, b: usize) -> f64 {
     let shared = |e: [usize; 2], f: [usize; 2]| e.iter().filter(|i| f.contains(i)).count();
     let sum = match (a < 4, b < 4) {
         (true, true) => [1, 6][usize::from(a == b)],

@@ -1,7 +1,7 @@
 //! Conjugate gradients, preconditioned by multigrid.
 
 use super::amg::{Hierarchy, Real};
-use super::{Problem, Solved, SolverInfo, at_the_limit, not_converged, residual};
+use super::{Kept, Problem, Solved, SolverInfo, at_the_limit, not_converged, residual};
 use crate::fem::FemError;
 use crate::fem::block_matrix::{CHUNK, dot, norm};
 use glam::DVec3;
@@ -30,6 +30,7 @@ pub(super) fn solve(
     guess: Option<&[DVec3]>,
     reason: String,
     limit: usize,
+    kept: &mut Kept,
 ) -> Result<Solved, FemError> {
     let (displacement, remainder) = problem.start(guess);
     let mut state = State { displacement, remainder, iterations: 0, numbers: 0, relative: 1.0 };
@@ -39,14 +40,14 @@ pub(super) fn solve(
         let info = SolverInfo { method: "amg-cg", reason, iterations, residual: relative, nonzeros: numbers };
         Ok(Solved { displacement, info })
     };
-    match state.advance::<f32>(problem, limit.min(FEW_ITERATIONS)) {
+    match state.advance(problem, limit.min(FEW_ITERATIONS), &mut kept.hierarchy) {
         Ok(()) | Err(FemError::NotPositiveDefinite { .. }) => {}
         Err(error) => return Err(error),
     }
     let mut reason = reason;
     if !problem.accepts(state.relative) && !problem.is_rounding(state.relative, &state.displacement) {
         reason += &format!("; preconditioner in double precision after {} iterations", state.iterations);
-        state.advance::<f64>(problem, limit)?;
+        state.advance::<f64>(problem, limit, &mut None)?;
     }
     if problem.accepts(state.relative) {
         return found(state, reason);
@@ -72,18 +73,26 @@ struct State {
 
 impl State {
     /// Iterates until the true residual is accepted, restarts are used up, or `limit` iterations are done in all.
-    fn advance<T: Real>(&mut self, problem: &Problem, limit: usize) -> Result<(), FemError> {
+    /// The preconditioner is the one that is kept, or made to be kept.
+    fn advance<T: Real>(
+        &mut self,
+        problem: &Problem,
+        limit: usize,
+        kept: &mut Option<Hierarchy<T>>,
+    ) -> Result<(), FemError> {
         if problem.accepts(self.relative) {
             return Ok(());
         }
         let system = problem.system;
         let mask = system.numbering.mask();
-        let mut hierarchy: Hierarchy<T> =
-            Hierarchy::new(&system.stiffness, system.linear.as_ref(), &system.points, mask)?;
+        let hierarchy = match kept {
+            Some(hierarchy) => hierarchy,
+            None => kept.insert(Hierarchy::new(&system.stiffness, system.linear.as_ref(), &system.points, mask)?),
+        };
         self.numbers = hierarchy.numbers();
         for _ in 0..=MAX_RESTARTS {
             let rest = std::mem::take(&mut self.remainder);
-            let done = iterate(problem, &mut hierarchy, rest, &mut self.displacement, limit - self.iterations);
+            let done = iterate(problem, hierarchy, rest, &mut self.displacement, limit - self.iterations);
             self.remainder = residual(system, &self.displacement);
             self.relative = norm(&self.remainder) / problem.scale;
             self.iterations += done?;

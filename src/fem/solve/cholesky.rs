@@ -88,6 +88,11 @@ pub(super) struct Factor {
 }
 
 impl Factor {
+    /// Numbers that it holds.
+    pub fn nonzeros(&self) -> usize {
+        self.values.len()
+    }
+
     /// Puts the solution for the right-hand side `x` in its place.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! The direct method: Cholesky factorisation of the matrix of the unknowns, and iterative refinement.
 
-use super::cholesky::{Analysis, Lower};
+use super::cholesky::{Analysis, Factor, Lower};
 use super::ordering::Graph;
 use super::{Problem, Solved, SolverInfo, at_the_limit, not_converged, residual};
 use crate::fem::block_matrix::norm;
@@ -65,14 +65,13 @@ fn lower_triangle(system: &System, unknowns: &[(usize, usize)]) -> Lower {
     lower
 }
 
-/// Factorises and solves; refines while the true residual is above the tolerance. What refinement cannot lower is
+/// Solves with a factor; refines while the true residual is above the tolerance. What refinement cannot lower is
 /// accepted if it is rounding.
 ///
 /// # Errors
-/// [`FemError::OutOfMemory`], [`FemError::NotPositiveDefinite`], [`FemError::NotConverged`].
-pub(super) fn solve(problem: &Problem, analysis: Analysis, reason: String) -> Result<Solved, FemError> {
-    let nonzeros = analysis.nonzeros();
-    let factor = analysis.factorise()?;
+/// [`FemError::OutOfMemory`], [`FemError::NotConverged`].
+pub(super) fn solve(problem: &Problem, factor: &Factor, reason: String) -> Result<Solved, FemError> {
+    let nonzeros = factor.nonzeros();
     let unknowns = || problem.system.numbering.unknowns();
     let mut displacement = problem.lifting.clone();
     let (mut remainder, mut relative) = (problem.rhs.clone(), 1.0);

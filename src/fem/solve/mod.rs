@@ -60,23 +60,58 @@ pub struct Solved {
 /// both. On slender bodies `|K||u|` exceeds `|b|` by far, and with it the residual of the best solution that can be
 /// represented; [`SolverInfo::reason`] says where that was accepted.
 pub fn solve(system: &System, options: &SolverOptions, start: Option<&[DVec3]>) -> Result<Solved, FemError> {
+    solve_keeping(system, options, start, &mut Kept::default())
+}
+
+/// What solving makes of a matrix: its factor, or a preconditioner.
+#[derive(Default)]
+pub struct Kept {
+    factor: Option<cholesky::Factor>,
+    hierarchy: Option<amg::Hierarchy<f32>>,
+}
+
+/// Solves as [`solve`] does, with the factor or preconditioner that an earlier solution kept, and keeps its own. What is kept
+/// holds for one matrix and one set of unknowns; loads and prescribed values may change.
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_keeping(
+    system: &System,
+    options: &SolverOptions,
+    start: Option<&[DVec3]>,
+    kept: &mut Kept,
+) -> Result<Solved, FemError> {
     let problem = Problem::new(system, options.tolerance)?;
     if problem.scale == 0.0 {
         return Ok(problem.nothing_to_solve());
     }
+    if let Some(factor) = &kept.factor {
+        return direct::solve(&problem, factor, "factor at hand".to_owned());
+    }
     match options.method {
-        Method::AmgCg => cg::solve(&problem, start, "asked for".to_owned(), cg::MAX_ITERATIONS),
-        Method::Direct => direct::solve(&problem, direct::analyse(system)?, "asked for".to_owned()),
-        Method::Auto => solve_auto(&problem, start, options.direct_memory_limit),
+        Method::AmgCg => cg::solve(&problem, start, "asked for".to_owned(), cg::MAX_ITERATIONS, kept),
+        Method::Direct => factorise(&problem, direct::analyse(system)?, "asked for".to_owned(), kept),
+        Method::Auto => solve_auto(&problem, start, options.direct_memory_limit, kept),
     }
 }
 
+/// Factorises, solves, and keeps the factor.
+fn factorise(
+    problem: &Problem,
+    analysis: cholesky::Analysis,
+    reason: String,
+    kept: &mut Kept,
+) -> Result<Solved, FemError> {
+    let factor = kept.factor.insert(analysis.factorise()?);
+    direct::solve(problem, factor, reason)
+}
+
 /// Direct for small systems; else conjugate gradients, and direct if they converge slowly and memory suffices.
-fn solve_auto(problem: &Problem, start: Option<&[DVec3]>, limit: u64) -> Result<Solved, FemError> {
+fn solve_auto(problem: &Problem, start: Option<&[DVec3]>, limit: u64, kept: &mut Kept) -> Result<Solved, FemError> {
     let unknowns = problem.system.free_dofs();
     let mut reason = format!("{unknowns} unknowns");
     if unknowns > SMALL {
-        match cg::solve(problem, start, format!("{reason}, more than {SMALL}"), FEW_ITERATIONS) {
+        match cg::solve(problem, start, format!("{reason}, more than {SMALL}"), FEW_ITERATIONS, kept) {
             Err(FemError::NotConverged { iterations, residual, .. }) => {
                 reason += &format!(", conjugate gradients at residual {residual:.1e} after {iterations} iterations");
             }
@@ -89,10 +124,32 @@ fn solve_auto(problem: &Problem, start: Option<&[DVec3]>, limit: u64) -> Result<
     let (bytes, most) = (megabytes(analysis.factor_bytes()), megabytes(limit));
     reason += &format!("; the factor takes {bytes:.3} MB, the limit is {most:.3} MB");
     if analysis.factor_bytes() <= limit {
-        direct::solve(problem, analysis, reason)
+        factorise(problem, analysis, reason, kept)
     } else {
         drop(analysis);
-        cg::solve(problem, start, reason, cg::MAX_ITERATIONS)
+        cg::solve(problem, start, reason, cg::MAX_ITERATIONS, kept)
+    }
+}
+
+/// The multigrid that conjugate gradients are preconditioned by, by itself: for measurements.
+pub struct Multigrid(amg::Hierarchy<f32>);
+
+impl Multigrid {
+    /// Sets it up.
+    ///
+    /// # Errors
+    /// [`FemError::NotPositiveDefinite`], and those of the factorisation on its last level.
+    pub fn new(system: &System) -> Result<Self, FemError> {
+        let mask = system.numbering.mask();
+        amg::Hierarchy::new(&system.stiffness, system.linear.as_ref(), &system.points, mask).map(Self)
+    }
+
+    /// One cycle: `z`, about the displacement of the nodal forces `r`, which are zero where displacements are prescribed.
+    ///
+    /// # Errors
+    /// As the factorisation's.
+    pub fn cycle(&mut self, r: &[DVec3], z: &mut [DVec3]) -> Result<(), FemError> {
+        self.0.apply(r, norm(r), z)
     }
 }
 
@@ -126,12 +183,17 @@ impl<'a> Problem<'a> {
     }
 
     /// Displacement and residual to begin with: those of the guess, unless it is worse than none.
+    ///
+    /// Conjugate gradients lower the energy `d.K d / 2 - b.d = -d.(b + r) / 2` of the unknown part d with its residual r.
+    /// A guess from a coarser mesh has a low energy and yet a large residual, for it has kinks in the wrong places.
     fn start(&self, guess: Option<&[DVec3]>) -> (Vec<DVec3>, Vec<DVec3>) {
         if let Some(guess) = guess.filter(|guess| guess.len() == self.lifting.len()) {
             let mask = self.system.numbering.mask();
             let u: Vec<DVec3> = (0..guess.len()).map(|i| self.lifting[i] + mask[i] * guess[i]).collect();
             let remainder = residual(self.system, &u);
-            if norm(&remainder) < self.scale {
+            let gain = |i: usize| (u[i] - self.lifting[i]).dot(self.rhs[i] + remainder[i]);
+            // Refuses NaN too.
+            if (0..u.len()).map(gain).sum::<f64>() > 0.0 {
                 return (u, remainder);
             }
         }
@@ -184,7 +246,7 @@ fn not_converged(
 }
 
 /// `f - K u` at the unknowns, zero elsewhere.
-fn residual(system: &System, u: &[DVec3]) -> Vec<DVec3> {
+pub(super) fn residual(system: &System, u: &[DVec3]) -> Vec<DVec3> {
     let mask = system.numbering.mask();
     let at = |i: usize| mask[i] * (system.loads[i] - system.stiffness.row_times(i, u));
     (0..u.len()).into_par_iter().with_min_len(super::block_matrix::CHUNK).map(at).collect()

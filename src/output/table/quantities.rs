@@ -1,7 +1,7 @@
 //! Tables of named quantities.
 
-use super::super::report::{Report, StepRecord};
-use super::{figures, percent, table, text};
+use super::super::report::{QuantityRecord, Report, StepRecord};
+use super::{figures, percent, short, table, text};
 
 /// Figures printed of a quantity.
 const FIGURES: usize = 6;
@@ -14,10 +14,16 @@ pub fn quantities(records: &[StepRecord]) -> String {
     let mut rows = table(&format!("step|{}", names.join("|")));
     for record in records {
         let mut row = vec![record.step.to_string()];
-        row.extend(record.quantities.iter().map(|(_, q)| figures(q.value, FIGURES)));
+        row.extend(record.quantities.iter().map(|(_, q)| value(q)));
         rows.add_row(row);
     }
     format!("Quantities\n{}\n", text(rows))
+}
+
+/// A value, with its error bar if there is one.
+fn value(q: &QuantityRecord) -> String {
+    let bar = q.error.map_or(String::new(), |bar| format!(" +- {}", figures(bar, 2)));
+    figures(q.value, FIGURES) + &bar
 }
 
 /// What was expected beside what came out, empty if nothing was expected.
@@ -38,8 +44,14 @@ pub fn expectations(report: &Report) -> String {
         } else {
             format!("{} %", percent(e.allowed / e.expected.abs()))
         };
-        let verdict = if e.passed { "pass" } else { "FAIL" };
         let [value, expected] = [e.value, e.expected].map(|x| figures(x, FIGURES));
+        let (expected, share, allowed) = match e.between {
+            Some([low, high]) => {
+                (format!("{} to {}", short(low, FIGURES), short(high, FIGURES)), String::new(), String::new())
+            }
+            None => (expected, share, allowed),
+        };
+        let verdict = if e.passed { "pass" } else { "FAIL" };
         rows.add_row([name.clone(), value, expected, share, allowed, verdict.to_owned()]);
     }
     text(rows) + "\n"

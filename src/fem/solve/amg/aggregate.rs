@@ -1,9 +1,10 @@
 //! Gathering the nodes of a level into aggregates, each a node of the next level.
 
-use super::operator::Operator;
-use super::order::NONE;
+use super::operator::{Operator, Padded};
+use super::order::{NONE, split};
 use super::real::Real;
 use rayon::prelude::*;
+use smallvec::SmallVec;
 
 /// Nodes below which an aggregate is given up: the smoothed motions of tiny ones have large energies.
 const SMALLEST: usize = 6;
@@ -26,14 +27,14 @@ struct Strong {
 impl Strong {
     /// Nodes i and j are strongly coupled if `|A_ij|^2 > theta^2 |A_ii| |A_jj|`, in the norm of Frobenius.
     fn new<T: Real, const N: usize, const W: usize>(a: &Operator<T, N, W>, theta: f64) -> Self {
-        let own: Vec<f32> =
-            a.diagonal.par_iter().map(|d| theta as f32 * squares(d.iter().flat_map(|c| &c[..N])).sqrt()).collect();
+        let own = |d: &Padded<T, N, W>| theta as f32 * d.iter().map(|c| squares::<T, N>(&c[..N])).sum::<f32>().sqrt();
+        let own: Vec<f32> = a.diagonal.par_iter().with_min_len(1024).map(own).collect();
         let rows = |c: usize| {
             let (mut starts, mut columns) = (vec![0], Vec::new());
             for i in a.order.nodes(c) {
                 for (near, values) in a.row(i) {
                     for (k, &j) in near.iter().enumerate() {
-                        if squares(values[k * N * N..(k + 1) * N * N].iter()) > own[i] * own[j as usize] {
+                        if squares::<T, N>(&values[k * N * N..(k + 1) * N * N]) > own[i] * own[j as usize] {
                             columns.push(j);
                         }
                     }
@@ -46,15 +47,24 @@ impl Strong {
     }
 
     fn row(&self, i: usize) -> &[u32] {
-        let (starts, columns) = &self.rows[i / self.chunk];
-        let k = i % self.chunk;
+        let (c, k) = split(i, self.chunk);
+        let (starts, columns) = &self.rows[c];
         &columns[starts[k] as usize..starts[k + 1] as usize]
     }
 }
 
+/// The sum of squares of a block or a part of it.
 #[inline(always)]
-fn squares<'a, T: Real + 'a>(values: impl Iterator<Item = &'a T>) -> f32 {
-    values.map(|v| v.get() as f32).map(|v| v * v).sum()
+fn squares<T: Real, const N: usize>(values: &[T]) -> f32 {
+    // One sum a column: they do not wait for each other.
+    let mut sums = [0.0; N];
+    for column in values.chunks_exact(N) {
+        for (sum, v) in sums.iter_mut().zip(column) {
+            let v = v.get() as f32;
+            *sum += v * v;
+        }
+    }
+    sums.iter().sum()
 }
 
 impl Aggregates {
@@ -155,7 +165,7 @@ fn join<T: Real, const N: usize, const W: usize>(
             let any = || before.iter().chain(after);
             most_links(of, strong.row(*i as usize).iter()).or_else(|| most_links(of, any()))
         };
-        let chosen: Vec<Option<u32>> = left.iter().map(best).collect();
+        let chosen: Vec<Option<u32>> = left.par_iter().with_min_len(256).map(best).collect();
         let before = left.len();
         for (i, chosen) in left.iter().zip(&chosen) {
             of[*i as usize] = chosen.unwrap_or(NONE);
@@ -169,7 +179,7 @@ fn join<T: Real, const N: usize, const W: usize>(
 
 /// The aggregate that most of the nodes belong to, the smallest of equals.
 fn most_links<'a>(of: &[u32], nodes: impl Iterator<Item = &'a u32>) -> Option<u32> {
-    let mut near: Vec<u32> = nodes.map(|&j| of[j as usize]).filter(|&of| of != NONE).collect();
+    let mut near: SmallVec<[u32; 64]> = nodes.map(|&j| of[j as usize]).filter(|&of| of != NONE).collect();
     near.sort_unstable();
     near.chunk_by(|a, b| a == b).rev().max_by_key(|same| same.len()).map(|same| same[0])
 }

@@ -2,7 +2,7 @@
 
 use super::frame::Projector;
 use super::operator::{Entries, Operator, Padded};
-use super::order::NONE;
+use super::order::{NONE, split};
 use super::real::Real;
 use super::rows::{Rows, add_scaled, lanes, wide};
 use super::transfer::{Transfer, WIDE};
@@ -109,7 +109,8 @@ impl<T: Real> Coarse<T> {
                 || {
                     for (i, block) in p.uses(j) {
                         let rows: [[T; WIDE]; N] = std::array::from_fn(|r| lanes(block, 6 * r));
-                        let (columns, values, _) = product[i / chunk].row(i % chunk);
+                        let (c, k) = split(i, chunk);
+                        let (columns, values, _) = product[c].row(k);
                         for (&column, block) in columns.iter().zip(values.windows(6 * N + WIDE - 6).step_by(6 * N)) {
                             if column as usize >= j {
                                 let block: [[T; WIDE]; N] = std::array::from_fn(|r| lanes(block, 6 * r));
@@ -119,9 +120,11 @@ impl<T: Real> Coarse<T> {
                     }
                 },
             );
-            let mut row: Vec<_> = sums.columns.iter().copied().zip(sums.blocks.iter().map(clean)).collect();
+            let mut columns = sums.columns.clone();
+            columns.sort_unstable();
+            let block = |column: u32| clean(&sums.blocks[sums.place[column as usize] as usize]);
+            let mut row: Vec<_> = columns.into_iter().map(|column| (column, block(column))).collect();
             sums.clear();
-            row.sort_unstable_by_key(|(column, _)| *column);
             if let (Some(free), Some((_, own))) = (&free[j], row.first_mut()) {
                 hold(own, free);
             }
@@ -168,7 +171,7 @@ fn add_transposed<T: Real, const N: usize>(sum: &mut [[T; WIDE]; 6], p: &[[T; WI
 
 /// The block without what is in its padding, and without what is negligible.
 fn clean<T: Real>(block: &[[T; WIDE]; 6]) -> [[T; WIDE]; 6] {
-    block.map(|row| std::array::from_fn(|c| if c < 6 { T::new(row[c].get()) } else { T::default() }))
+    block.map(|row| std::array::from_fn(|c| if c < 6 { row[c].cleaned() } else { T::default() }))
 }
 
 fn transposed<T: Real>(block: &[[T; WIDE]; 6]) -> [[T; WIDE]; 6] {

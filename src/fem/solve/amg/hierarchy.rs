@@ -212,7 +212,7 @@ fn descend<T: Real, const N: usize, const W: usize>(
     let matrix = Coarse::new(a, &way, &coarse.free);
     let all = vec![true; aggregates.count];
     let order = Order::new(&coarse.points, &all, CHUNK, |i, call| matrix.neighbours(i, call));
-    way.renumber(&order.place);
+    way.renumber(&order.place, &order.natural);
     let (frame, place) = (coarse.permuted(&order.natural), order.place.clone());
     let next = Operator::new(order, |i, entries| matrix.row(&place, i, entries))?;
     Ok((Some(way), Some((next, frame))))

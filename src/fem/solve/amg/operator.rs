@@ -1,6 +1,6 @@
 //! A level's matrix, split for Gauss-Seidel sweeps.
 
-use super::order::Order;
+use super::order::{Order, split};
 use super::real::Real;
 use super::rows::{Rows, add, add_scaled, columns_times, lanes, minus, total, wide};
 use crate::fem::FemError;
@@ -18,7 +18,8 @@ pub(super) type Padded<T, const N: usize, const W: usize> = [[T; W]; N];
 pub(super) struct Operator<T, const N: usize, const W: usize> {
     pub order: Order,
     pub diagonal: Vec<Padded<T, N, W>>,
-    inverses: Vec<Padded<T, N, W>>,
+    /// Inverses of the diagonal blocks.
+    pub inverses: Vec<Padded<T, N, W>>,
     /// Rows of each chunk left of the diagonal, columns ascending.
     lower: Vec<Rows<T>>,
     /// Rows of each chunk right of the diagonal, last row first.
@@ -48,8 +49,9 @@ impl<T: Real, const N: usize, const W: usize> Operator<T, N, W> {
     where
         R: Fn(u32, &mut Entries<T, N, W>) + Sync,
     {
+        let part = |entries: &mut Entries<T, N, W>, c: usize| Self::part(&order, c, entries, &row);
         let parts: Vec<Part<T, N, W>> =
-            (0..order.chunks()).into_par_iter().map(|c| Self::part(&order, c, &row)).collect::<Result<_, _>>()?;
+            (0..order.chunks()).into_par_iter().map_init(Entries::new, part).collect::<Result<_, _>>()?;
         let mut this = Self { diagonal: Vec::new(), inverses: Vec::new(), lower: Vec::new(), upper: Vec::new(), order };
         for part in parts {
             this.diagonal.extend(part.diagonal);
@@ -60,24 +62,33 @@ impl<T: Real, const N: usize, const W: usize> Operator<T, N, W> {
         Ok(this)
     }
 
-    fn part<R: Fn(u32, &mut Entries<T, N, W>)>(order: &Order, c: usize, row: &R) -> Result<Part<T, N, W>, FemError> {
+    /// The rows of a chunk, made in `entries`.
+    fn part<R: Fn(u32, &mut Entries<T, N, W>)>(
+        order: &Order,
+        c: usize,
+        entries: &mut Entries<T, N, W>,
+        row: &R,
+    ) -> Result<Part<T, N, W>, FemError> {
         let nodes = order.nodes(c);
-        let mut entries = Entries::new();
+        entries.clear();
         let mut below = Vec::with_capacity(nodes.len());
         let (mut lowers, mut uppers) = (0, 0);
         let mut rows = Vec::new();
+        // The places of each row in ascending order, with the numbers of their entries: blocks are too large to be sorted.
+        let mut sorted: Vec<(u32, u32)> = Vec::new();
         for i in nodes.clone() {
-            let first = entries.len();
-            row(order.natural[i], &mut entries);
-            let own = &mut entries[first..];
-            own.sort_unstable_by_key(|(j, _)| *j);
+            let first = sorted.len();
+            row(order.natural[i], entries);
+            sorted.extend((first..).zip(&entries[first..]).map(|(e, (j, _))| (*j, e as u32)));
+            let own = &mut sorted[first..];
+            own.sort_unstable();
             let left = own.partition_point(|(j, _)| (*j as usize) < i);
             below.push(left);
             rows.push(first);
             lowers += left;
             uppers += own.len() - left - 1;
         }
-        rows.push(entries.len());
+        rows.push(sorted.len());
         let size = N * N;
         let mut part = Part {
             diagonal: Vec::with_capacity(nodes.len()),
@@ -86,20 +97,21 @@ impl<T: Real, const N: usize, const W: usize> Operator<T, N, W> {
             upper: Rows::with_capacity(nodes.len(), uppers, size, Self::OVER),
         };
         for (k, i) in nodes.clone().enumerate() {
-            let (left, rest) = entries[rows[k]..rows[k + 1]].split_at(below[k]);
-            for (j, block) in left {
-                part.lower.push(*j, block, N);
+            let (left, rest) = sorted[rows[k]..rows[k + 1]].split_at(below[k]);
+            for &(j, e) in left {
+                part.lower.push(j, &entries[e as usize].1, N);
             }
             part.lower.end_row();
-            let inverse = inverse(&rest[0].1).ok_or_else(|| FemError::NotPositiveDefinite {
+            let own = &entries[rest[0].1 as usize].1;
+            let inverse = inverse(own).ok_or_else(|| FemError::NotPositiveDefinite {
                 detail: format!("node {} of {}", order.natural[i], order.len()),
             })?;
-            part.diagonal.push(rest[0].1);
+            part.diagonal.push(*own);
             part.inverses.push(inverse);
         }
         for k in (0..nodes.len()).rev() {
-            for (j, block) in &entries[rows[k] + below[k] + 1..rows[k + 1]] {
-                part.upper.push(*j, block, N);
+            for &(j, e) in &sorted[rows[k] + below[k] + 1..rows[k + 1]] {
+                part.upper.push(j, &entries[e as usize].1, N);
             }
             part.upper.end_row();
         }
@@ -121,7 +133,7 @@ impl<T: Real, const N: usize, const W: usize> Operator<T, N, W> {
     /// Columns and blocks (by columns) of row `i` without its diagonal: those to the left, those to the right.
     #[inline(always)]
     pub fn row(&self, i: usize) -> [(&[u32], &[T]); 2] {
-        let (c, k) = (i / self.order.chunk, i % self.order.chunk);
+        let (c, k) = split(i, self.order.chunk);
         let last = self.order.nodes(c).len() - 1;
         let ((left, a, _), (right, b, _)) = (self.lower[c].row(k), self.upper[c].row(last - k));
         [(left, a), (right, b)]

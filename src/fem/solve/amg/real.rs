@@ -21,6 +21,9 @@ pub(in super::super) trait Real:
 
     /// The number in double precision.
     fn get(self) -> f64;
+
+    /// The number, or zero as [`Real::new`] has it.
+    fn cleaned(self) -> Self;
 }
 
 /// Magnitude below which an entry of a matrix, scaled to have its largest near one, is rounding.
@@ -34,6 +37,11 @@ impl Real for f32 {
     fn get(self) -> f64 {
         f64::from(self)
     }
+
+    #[inline(always)]
+    fn cleaned(self) -> Self {
+        if self.abs() < NEGLIGIBLE as Self { 0.0 } else { self }
+    }
 }
 
 impl Real for f64 {
@@ -42,6 +50,11 @@ impl Real for f64 {
     }
 
     fn get(self) -> f64 {
+        self
+    }
+
+    #[inline(always)]
+    fn cleaned(self) -> Self {
         self
     }
 }

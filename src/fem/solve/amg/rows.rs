@@ -37,6 +37,13 @@ impl<T: Real> Rows<T> {
         self.values.extend_from_slice(&block[..self.size]);
     }
 
+    /// Appends a row.
+    pub fn copy_row(&mut self, columns: &[u32], values: &[T]) {
+        self.columns.extend_from_slice(columns);
+        self.values.extend_from_slice(&values[..columns.len() * self.size]);
+        self.end_row();
+    }
+
     /// Ends the last row.
     pub fn end_row(&mut self) {
         self.starts.push(self.columns.len() as u32);

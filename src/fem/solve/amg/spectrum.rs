@@ -2,6 +2,7 @@
 
 use super::operator::Operator;
 use super::real::Real;
+use crate::fem::block_matrix::CHUNK;
 use nalgebra::{DMatrix, SymmetricEigen};
 use rayon::prelude::*;
 
@@ -26,10 +27,7 @@ pub(super) fn largest_eigenvalue<T: Real, const N: usize, const W: usize>(a: &Op
         }
         let alpha = rho / curvature;
         diagonal.push(1.0 / alpha + beta / last_alpha);
-        let step = T::new(alpha);
-        r.par_iter_mut().zip(&q).with_min_len(1024).for_each(|(r, q)| (0..N).for_each(|c| r[c] -= step * q[c]));
-        relaxed(a, &r, &mut z);
-        let next = dot::<T, N, W>(&r, &z);
+        let next = step(a, T::new(alpha), &q, &mut r, &mut z);
         (beta, rho, last_alpha) = (next / rho, next, alpha);
         beside.push(beta.max(0.0).sqrt() / alpha);
         let factor = T::new(beta);
@@ -42,6 +40,25 @@ pub(super) fn largest_eigenvalue<T: Real, const N: usize, const W: usize>(a: &Op
         _ => 0.0,
     });
     if n == 0 { 1.0 } else { SymmetricEigen::new(tridiagonal).eigenvalues.max() }
+}
+
+/// `r -= alpha q`, `z = D^-1 r`; returns `r . z`.
+fn step<T: Real, const N: usize, const W: usize>(
+    a: &Operator<T, N, W>,
+    alpha: T,
+    q: &[[T; W]],
+    r: &mut [[T; W]],
+    z: &mut [[T; W]],
+) -> f64 {
+    let vectors = r.par_chunks_mut(CHUNK).zip(z.par_chunks_mut(CHUNK)).zip(q.par_chunks(CHUNK)).enumerate();
+    let part = |(chunk, ((r, z), q)): (usize, ((&mut [[T; W]], &mut [[T; W]]), &[[T; W]]))| {
+        for (k, q) in q.iter().enumerate() {
+            (0..N).for_each(|c| r[k][c] -= alpha * q[c]);
+            z[k] = a.relax(chunk * CHUNK + k, &r[k]);
+        }
+        part_dot::<T, N, W>(r, z)
+    };
+    vectors.map(part).collect::<Vec<f64>>().iter().sum()
 }
 
 /// `z = D^-1 r`.
@@ -62,8 +79,10 @@ fn noise<T: Real, const N: usize, const W: usize>(i: usize) -> [T; W] {
 
 /// `x . y`, summed in chunks of fixed size.
 fn dot<T: Real, const N: usize, const W: usize>(x: &[[T; W]], y: &[[T; W]]) -> f64 {
-    let part = |(x, y): (&[[T; W]], &[[T; W]])| -> f64 {
-        x.iter().zip(y).map(|(x, y)| (0..N).map(|c| x[c].get() * y[c].get()).sum::<f64>()).sum()
-    };
-    x.par_chunks(1024).zip(y.par_chunks(1024)).map(part).collect::<Vec<f64>>().iter().sum()
+    let parts = x.par_chunks(CHUNK).zip(y.par_chunks(CHUNK));
+    parts.map(|(x, y)| part_dot::<T, N, W>(x, y)).collect::<Vec<f64>>().iter().sum()
+}
+
+fn part_dot<T: Real, const N: usize, const W: usize>(x: &[[T; W]], y: &[[T; W]]) -> f64 {
+    x.iter().zip(y).map(|(x, y)| (0..N).map(|c| x[c].get() * y[c].get()).sum::<f64>()).sum()
 }

@@ -2,8 +2,8 @@
 
 use super::aggregate::Aggregates;
 use super::frame::Rigid;
-use super::operator::Operator;
-use super::order::NONE;
+use super::operator::{Operator, Padded};
+use super::order::{NONE, split};
 use super::real::Real;
 use super::rows::{Rows, add_scaled, lanes, total, wide};
 use rayon::prelude::*;
@@ -41,29 +41,18 @@ impl<T: Real, const N: usize> Transfer<T, N> {
         let chunk = |c: usize| {
             let nodes = a.order.nodes(c);
             let mut rows = Rows::with_capacity(nodes.len(), 4 * nodes.len(), 6 * N, WIDE - 6);
-            let mut near: Vec<(u32, [[T; WIDE]; N])> = Vec::new();
+            let mut near = Near::default();
             for i in nodes {
-                near.clear();
-                if aggregates.of[i] != NONE {
-                    slot(&mut near, aggregates.of[i]);
-                }
-                let own = &a.diagonal[i];
-                add_product(&mut near, aggregates.of[i], |r, c| own[c][r], &motions[i]);
-                for (columns, values) in a.row(i) {
-                    for (block, &j) in values.chunks_exact(N * N).zip(columns) {
-                        add_product(
-                            &mut near,
-                            aggregates.of[j as usize],
-                            |r, c| block[c * N + r],
-                            &motions[j as usize],
-                        );
-                    }
-                }
-                near.sort_unstable_by_key(|(of, _)| *of);
-                for (of, sum) in &near {
-                    let kept = if *of == aggregates.of[i] { motions[i] } else { [[T::default(); WIDE]; N] };
-                    rows.push(*of, &smooth(a, i, omega, &kept, sum), 6);
-                }
+                wide(
+                    #[inline(always)]
+                    || {
+                        near.gather(a, aggregates, &motions, i);
+                        for &(of, k) in &near.order {
+                            let kept = if of == aggregates.of[i] { motions[i] } else { [[T::default(); WIDE]; N] };
+                            rows.push(of, &smooth(&a.inverses[i], omega, &kept, &near.sums[k as usize]), 6);
+                        }
+                    },
+                );
                 rows.end_row();
             }
             rows.finish()
@@ -98,7 +87,7 @@ impl<T: Real, const N: usize> Transfer<T, N> {
             let mut copies = Rows::with_capacity(last - first, count, 6 * N, WIDE - 6);
             for j in first..last {
                 for &[i, b] in &uses[starts[j] as usize..starts[j + 1] as usize] {
-                    copies.copy(i, self.rows[i as usize / self.chunk].block(b as usize));
+                    copies.copy(i, self.rows[split(i as usize, self.chunk).0].block(b as usize));
                 }
                 copies.end_row();
             }
@@ -107,12 +96,20 @@ impl<T: Real, const N: usize> Transfer<T, N> {
         self.uses = (0..self.coarse.div_ceil(CHUNK)).into_par_iter().map(copy).collect();
     }
 
-    /// Renumbers the coarse nodes.
-    pub fn renumber(&mut self, place: &[u32]) {
+    /// Renumbers the coarse nodes: `place` is the new number of each, `natural` the old one.
+    pub fn renumber(&mut self, place: &[u32], natural: &[u32]) {
         let renumber = |rows: &mut Rows<T>| rows.columns.iter_mut().for_each(|j| *j = place[*j as usize]);
         self.rows.par_iter_mut().for_each(renumber);
-        self.uses = Vec::new();
-        self.find_uses();
+        let old = |j: &u32| self.uses[*j as usize / CHUNK].row(*j as usize % CHUNK);
+        let copy = |natural: &[u32]| {
+            let count = natural.iter().map(|j| old(j).0.len()).sum();
+            let mut copies = Rows::with_capacity(natural.len(), count, 6 * N, WIDE - 6);
+            for (nodes, values, _) in natural.iter().map(old) {
+                copies.copy_row(nodes, values);
+            }
+            copies.finish()
+        };
+        self.uses = natural.par_chunks(CHUNK).map(copy).collect();
     }
 
     /// Coarse nodes.
@@ -123,7 +120,8 @@ impl<T: Real, const N: usize> Transfer<T, N> {
     /// Columns and blocks of a fine node's row.
     #[inline(always)]
     pub fn row(&self, i: usize) -> (&[u32], &[T]) {
-        let (columns, values, _) = self.rows[i / self.chunk].row(i % self.chunk);
+        let (c, k) = split(i, self.chunk);
+        let (columns, values, _) = self.rows[c].row(k);
         (columns, values)
     }
 
@@ -191,52 +189,77 @@ fn row_times<T: Real, const N: usize>(columns: &[u32], values: &[T], x: &[[T; WI
     sums.map(|s| ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7])))
 }
 
-/// The place of an aggregate in the list, made if it is not there.
-fn slot<T: Real, const N: usize>(near: &mut Vec<(u32, [[T; WIDE]; N])>, of: u32) -> &mut [[T; WIDE]; N] {
-    let k = near.iter().position(|(a, _)| *a == of).unwrap_or_else(|| {
-        near.push((of, [[T::default(); WIDE]; N]));
-        near.len() - 1
-    });
-    &mut near[k].1
+/// What a row of the matrix does to the motions of the aggregates that it reaches.
+struct Near<T, const N: usize> {
+    of: Vec<u32>,
+    sums: Vec<[[T; WIDE]; N]>,
+    /// The aggregates ascending, with their places.
+    order: Vec<(u32, u32)>,
 }
 
-/// Adds a block of the matrix times the motions of a node to its aggregate's sum.
-#[inline(always)]
-fn add_product<T: Real, const N: usize>(
-    near: &mut Vec<(u32, [[T; WIDE]; N])>,
-    of: u32,
-    block: impl Fn(usize, usize) -> T,
-    motions: &[[T; WIDE]; N],
-) {
-    if of == NONE {
-        return;
+impl<T, const N: usize> Default for Near<T, N> {
+    fn default() -> Self {
+        Self { of: Vec::new(), sums: Vec::new(), order: Vec::new() }
     }
-    for (r, sum) in slot(near, of).iter_mut().enumerate() {
-        for (c, motion) in motions.iter().enumerate() {
-            add_scaled(sum, block(r, c), motion);
+}
+
+impl<T: Real, const N: usize> Near<T, N> {
+    /// Row `i` of the matrix times the motions, one sum for each aggregate; the node's own first.
+    #[inline(always)]
+    fn gather<const W: usize>(
+        &mut self,
+        a: &Operator<T, N, W>,
+        aggregates: &Aggregates,
+        motions: &[[[T; WIDE]; N]],
+        i: usize,
+    ) {
+        self.of.clear();
+        self.sums.clear();
+        let own = &a.diagonal[i];
+        self.add(aggregates.of[i], |r, c| own[c][r], &motions[i]);
+        for (columns, values) in a.row(i) {
+            for (block, &j) in values.chunks_exact(N * N).zip(columns) {
+                let j = j as usize;
+                self.add(aggregates.of[j], |r, c| block[c * N + r], &motions[j]);
+            }
+        }
+        self.order.clear();
+        self.order.extend(self.of.iter().copied().zip(0..));
+        self.order.sort_unstable();
+    }
+
+    /// Adds a block of the matrix times the motions of a node to its aggregate's sum.
+    #[inline(always)]
+    fn add(&mut self, of: u32, block: impl Fn(usize, usize) -> T, motions: &[[T; WIDE]; N]) {
+        if of == NONE {
+            return;
+        }
+        let k = self.of.iter().position(|own| *own == of).unwrap_or_else(|| {
+            self.of.push(of);
+            self.sums.push([[T::default(); WIDE]; N]);
+            self.of.len() - 1
+        });
+        for (r, sum) in self.sums[k].iter_mut().enumerate() {
+            for (c, motion) in motions.iter().enumerate() {
+                add_scaled(sum, block(r, c), motion);
+            }
         }
     }
 }
 
 /// `kept - omega D^-1 sum`, by rows; what is negligible is left out.
+#[inline(always)]
 fn smooth<T: Real, const N: usize, const W: usize>(
-    a: &Operator<T, N, W>,
-    i: usize,
+    inverse: &Padded<T, N, W>,
     omega: T,
     kept: &[[T; WIDE]; N],
     sum: &[[T; WIDE]; N],
 ) -> [[T; WIDE]; N] {
-    let mut out = *kept;
-    for c in 0..6 {
-        let mut column = [T::default(); W];
-        for r in 0..N {
-            column[r] = sum[r][c];
+    std::array::from_fn(|r| {
+        let mut step = [T::default(); WIDE];
+        for (c, sum) in sum.iter().enumerate() {
+            add_scaled(&mut step, inverse[c][r], sum);
         }
-        let step = a.relax(i, &column);
-        for r in 0..N {
-            out[r][c] -= omega * step[r];
-            out[r][c] = T::new(out[r][c].get());
-        }
-    }
-    out
+        std::array::from_fn(|l| (kept[r][l] - omega * step[l]).cleaned())
+    })
 }
