@@ -62,12 +62,14 @@ fn red_refinement_is_forecast_exactly() {
 #[test]
 fn other_runs_are_forecast_within_a_small_factor() {
     let sqrt3: &[&str] = &["refine.strategy=global", "refine.steps=2", "refine.stop.max_cells=1000000"];
-    let bisection = ["refine.scheme=longest-edge", "refine.steps=4"];
+    // With quadratic elements the first few steps see little but the clamped edges, and mark fewer cells than most.
+    let linear = ["analysis.element=tet4", "refine.steps=4"];
+    let bisection = ["analysis.element=tet4", "refine.scheme=longest-edge", "refine.steps=4"];
     let fraction = ["adapt.marking={ fraction = 0.1 }", "adapt.grow=1", "refine.steps=3"];
     for (scenario, settings, factor) in [
         ("cantilever.toml", sqrt3, 1.25),
         ("bracket.toml", &["refine.strategy=global", "refine.steps=1"], 1.25),
-        ("cantilever.toml", &["refine.steps=4"], 2.0),
+        ("cantilever.toml", &linear, 2.0),
         ("bracket.toml", &["refine.steps=4"], 2.0),
         ("fichera.toml", &[], 2.0),
         ("cantilever.toml", &bisection, 2.0),

@@ -1,6 +1,6 @@
 //! Marking that looks ahead: as few steps to the tolerance as one step may mark at most, all of the same growth.
 //!
-//! The error falls as `dofs^-r`, with the rate r of the last step. To the tolerance the mesh has to grow `g`-fold; a step
+//! The error falls as `dofs^-r`, with the rate r of the last step (see [`rate`]). To the tolerance the mesh has to grow `g`-fold; a step
 //! grows it at most `G`-fold, if it marks as much as it may. Then `m = ceil(ln g / ln G)` steps are needed, and each of
 //! them marks what makes it grow by `g^(1/m)`: the last mesh, which takes most of the time, is as small as the tolerance
 //! allows, and few are before it. Errors and counts decide, never the clock.
@@ -11,7 +11,7 @@ use crate::fem::options::Element;
 use crate::scenario::{Scenario, Strategy};
 
 /// What is aimed at, as a share of the tolerance: a mesh that misses it by little costs a step more.
-const AIM: f64 = 0.97;
+const AIM: f64 = 0.94;
 
 /// A step of the loop.
 #[derive(Debug, Clone, Copy)]
@@ -37,17 +37,15 @@ pub(super) fn marking(scenario: &Scenario, tolerance: f64, most: f64, now: Seen,
     Marking::Fraction((cells / now.cells).min(1.0))
 }
 
-/// The power of the degrees of freedom with which the error falls: that of the last step, kept within what elements of
-/// this degree p do, whose best is p/3 on smooth solutions.
+/// The power of the degrees of freedom with which the error falls: that of the last step, but no more than what adaptive
+/// meshes keep up, for first steps are often better than those that follow.
 fn rate(element: Element, now: Seen, before: Option<Seen>) -> f64 {
-    let degree = match element {
-        Element::Tet4 => 1.0,
-        Element::Tet10 => 2.0,
+    let usual = match element {
+        Element::Tet4 => 0.32,
+        Element::Tet10 => 0.48,
     };
-    let best = degree / 3.0;
     let seen = before.map(|b| (b.error / now.error).ln() / (now.dofs / b.dofs).ln());
-    // Before there are two meshes, the rate that a singular edge leaves.
-    seen.filter(|r| r.is_finite()).map_or(0.8 * best, |r| r.clamp(0.5 * best, 1.2 * best))
+    seen.filter(|r| r.is_finite()).map_or(usual, |r| r.clamp(0.5 * usual, usual))
 }
 
 /// Cells that a marked cell adds: as in the last step, else as schemes do in the mean.
@@ -88,13 +86,13 @@ mod tests {
 
     #[test]
     fn the_tolerance_is_reached_in_the_fewest_steps_without_overshooting() {
-        for rate in [0.28, 0.33, 0.5, 0.6] {
+        for rate in [0.28, 0.32, 0.42, 0.48, 0.6] {
             for factor in [1.1_f64, 1.5, 3.0, 10.0] {
                 let (steps, cells) = run(rate, 0.2, 0.2 / factor);
-                let needed = factor.powf(1.0 / rate);
                 // A step makes at most three meshes of one. The first goes by a rate that is not that of this run.
-                assert!(steps as f64 <= (needed.ln() / 3.0_f64.ln()).ceil() + 1.0, "{rate} {factor}: {steps} steps");
-                assert!(cells < 1000.0 * needed * 1.35, "{rate} {factor}: {cells} for {}", 1000.0 * needed);
+                let aimed = (factor / AIM).powf(1.0 / rate.min(0.48));
+                assert!(steps as f64 <= (aimed.ln() / 3.0_f64.ln()).ceil() + 1.0, "{rate} {factor}: {steps} steps");
+                assert!(cells < 1000.0 * aimed * 1.2, "{rate} {factor}: {cells}, aimed at {}", 1000.0 * aimed);
             }
         }
     }

@@ -287,7 +287,9 @@ fn adapt(raw: RawAdapt, asked: bool, quantities: &[Quantity], supports: &[Suppor
             .help("set refine.stop.relative_error, or mark by { doerfler = 0.5 }"));
     }
     let written = raw.marking.as_ref().map(|t| t.span.clone());
-    let marking = raw.marking.map(|t| marking(&t)).transpose()?.unwrap_or(Marking::Doerfler(0.5));
+    let ahead = asked && goal.is_none();
+    let default = if ahead { Marking::LookAhead(0.8) } else { Marking::Doerfler(0.5) };
+    let marking = raw.marking.map(|t| marking(&t)).transpose()?.unwrap_or(default);
     if let (Marking::Threshold(_) | Marking::LookAhead(_), Some(_), Some(span)) = (marking, &goal, written) {
         let fault = Fault::new(span, "goes by the error of the energy, beside a goal", "not with a goal");
         return Err(fault.help("take { doerfler = 0.5 }, { maximum = 0.5 } or { fraction = 0.1 }"));
