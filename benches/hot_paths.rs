@@ -10,7 +10,7 @@ use subsolid::fem::options::{Element, Method, SolverOptions};
 use subsolid::fem::{self, Load, LoadKind, Material, Model, Support};
 use subsolid::mesh::{TetMesh, features, generate};
 use subsolid::subdiv::options::{Boundary, Mode, Objective, Optimise, Options, Scheme};
-use subsolid::subdiv::{self, History};
+use subsolid::subdiv::{self, Directions, History, Weights};
 
 fn main() {
     divan::main();
@@ -69,7 +69,7 @@ fn optimise_for_error(bencher: Bencher) {
     let options = Options { optimise, ..Options::default() };
     let first = mesh.points().len();
     let mesh = subdiv::refine(&mesh, &History::default(), &all, &options).unwrap().mesh;
-    let weights = vec![1.0; mesh.points().len()];
+    let weights = Weights::Directions(vec![Directions([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]); mesh.points().len()]);
     let count = ItemsCount::new(mesh.tets().len());
     bencher.counter(count).bench(|| subdiv::optimise_error(&mesh, &weights, optimise.passes, first).unwrap());
 }

@@ -2,6 +2,7 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 use std::path::PathBuf;
+use subsolid::pipeline::variants::Variant;
 use subsolid::subdiv::options::{Boundary, Mode, QualityMeasure, Scheme};
 
 /// Finite-element simulation of linear-elastic solids represented by adaptive subdivision meshes.
@@ -33,10 +34,18 @@ pub enum Command {
         #[command(flatten)]
         scenario_options: ScenarioOptions,
     },
-    /// Run a scenario adaptively and globally; print and write what adaptivity saved
+    /// Run a scenario adaptively and globally, or under other choices; print and write what each paid for its error
     Compare {
         /// Scenario file (TOML)
         scenario: PathBuf,
+        /// Compare subdivision schemes instead: sqrt(3), longest-edge bisection and red refinement, each with and without
+        /// the error-driven optimiser, with the same elements, solver, estimator and marking
+        #[arg(long)]
+        schemes: bool,
+        /// Compare the scenario under overrides of your choice instead, such as "fine: mesh.box.cells=[4,4,4];
+        /// refine.steps=2" (repeatable)
+        #[arg(long = "variant", value_name = "NAME: KEY=VALUE; ...")]
+        variants: Vec<Variant>,
         /// Repetitions of short runs; times are medians over them. Steps below 50 ms are repeated at least nine times,
         /// unless this is 1
         #[arg(long, value_name = "N", default_value_t = 3, value_parser = value_parser!(u16).range(1..))]
@@ -45,6 +54,20 @@ pub enum Command {
         common: Common,
         #[command(flatten)]
         scenario_options: ScenarioOptions,
+    },
+    /// Run all scenarios of a folder and print what they expect beside what came out; fails if one is not as expected
+    Verify {
+        /// Folder of scenarios (TOML)
+        #[arg(default_value = "scenarios/verification", value_name = "DIR")]
+        folder: PathBuf,
+        /// Write the table, the problems and the sources of their references to this file, as Markdown
+        #[arg(long, value_name = "FILE")]
+        markdown: Option<PathBuf>,
+        /// Write the results of each scenario into a folder in this one [default: they are not written]
+        #[arg(long, value_name = "DIR")]
+        output: Option<PathBuf>,
+        #[command(flatten)]
+        common: Common,
     },
     /// Say what a run would do, and solve nothing
     Check {

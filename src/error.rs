@@ -49,12 +49,41 @@ pub enum Error {
     #[error("scheme \"red\" refines all cells or none, so there is nothing adaptive to compare with")]
     #[diagnostic(help("set refine.scheme = \"sqrt3\" or \"longest-edge\"; or use `run` for global red refinement"))]
     NothingToCompare,
+    /// Two variants of a comparison would share a folder.
+    #[error("two variants are called `{name}`")]
+    #[diagnostic(help("give each --variant a name of its own, and none that --schemes has"))]
+    Variants {
+        /// Their name.
+        name: String,
+    },
     /// Quantities of the last step are not what the scenario expects.
     #[error("not as expected: {sentences}")]
     #[diagnostic(help("refine more if the mesh is too coarse, or look at [expect] and what it is compared with"))]
     Unexpected {
         /// One for each quantity.
         sentences: String,
+    },
+    /// A folder without scenarios to verify.
+    #[error("no scenarios in {folder}", folder = folder.display())]
+    #[diagnostic(help("give a folder that holds scenarios (.toml): subsolid verify DIR"))]
+    NoScenarios {
+        /// The folder asked for.
+        folder: std::path::PathBuf,
+        /// Why it cannot be read.
+        source: Option<std::io::Error>,
+    },
+    /// A scenario that is to be verified says nothing of its result.
+    #[error("the scenario expects nothing")]
+    #[diagnostic(help(
+        "add a table, for example\n[expect.strain-energy]\nvalue = 1.0\ntolerance = {{ relative = 0.01 }}"
+    ))]
+    NothingExpected,
+    /// Scenarios are not as they expect, or could not be run.
+    #[error("not as expected: {failed}")]
+    #[diagnostic(help("the table tells what was expected; where it is from, the scenarios tell"))]
+    Unverified {
+        /// The names of those that failed.
+        failed: String,
     },
     /// All refinement steps are done and the error is still above what the scenario asks for.
     #[error("{}, {} % was asked for", reached_text(*reached), percent(*asked))]
@@ -80,9 +109,9 @@ impl Error {
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Unexpected { .. } => 1,
-            Self::NotVtu { .. } => 2,
-            Self::Scenario(_) | Self::NothingToCompare => 3,
+            Self::Unexpected { .. } | Self::Unverified { .. } => 1,
+            Self::NotVtu { .. } | Self::Variants { .. } => 2,
+            Self::Scenario(_) | Self::NothingToCompare | Self::NoScenarios { .. } | Self::NothingExpected => 3,
             Self::Mesh(_) => 4,
             Self::Model(_) => 5,
             Self::Fem(error) if error.is_model() => 5,

@@ -54,14 +54,14 @@ fn the_thick_plate_has_the_stress_of_nafems() {
 #[test]
 fn the_cantilever_bends_as_a_beam() {
     // Timoshenko's beam: F L^3 / (3 E I) + F L / (k G A) with I = 20 * 10^3 / 12, G = E / 2.6, k = 5/6. The clamped end of
-    // the solid cannot shrink sideways, which makes it stiffer by about one percent, and cells of this size by seven.
+    // the solid cannot shrink sideways, which makes it stiffer by about one percent.
     let (force, length, young) = (500.0, 120.0_f64, 210_000.0);
     let bending = force * length.powi(3) / (3.0 * young * 20.0 * 1000.0 / 12.0);
     let shear = force * length / (5.0 / 6.0 * young / 2.6 * 200.0);
     let tip = "quantities.tip={ average = \"uz\", group = \"x-max\" }";
-    let report = report("cantilever.toml", &["refine.steps=4", tip]);
+    let report = report("cantilever.toml", &["refine.steps=2", tip]);
     let ratio = -last(&report)["quantities"]["tip"]["value"].as_f64().unwrap() / (bending + shear);
-    assert!((0.92..1.0).contains(&ratio), "{ratio} of the beam's deflection");
+    assert!((0.98..1.0).contains(&ratio), "{ratio} of the beam's deflection");
 }
 
 #[test]

@@ -11,7 +11,7 @@ use rustc_hash::FxHashMap;
 use subsolid::mesh::surface::{self, SurfaceFace};
 use subsolid::mesh::{TetMesh, features, generate, quality, topology};
 use subsolid::subdiv::options::{Boundary, Mode, Optimise, Options, Scheme};
-use subsolid::subdiv::{self, History, Refined};
+use subsolid::subdiv::{self, History, Refined, Weights};
 
 const SMOOTH: [Boundary; 2] = [Boundary::Approximating, Boundary::Interpolating];
 const BOUNDARIES: [Boundary; 3] = [Boundary::Fixed, Boundary::Approximating, Boundary::Interpolating];
@@ -522,7 +522,7 @@ fn optimisers_keep_curved_interfaces() {
     let mut state = State::new(&inclusion(4));
     state.refine_all(&options(Boundary::Interpolating, Mode::Paper));
     let mesh = &state.0;
-    let weights: Vec<f64> = mesh.points().iter().map(|p| 1.0 + 20.0 * p.x).collect();
+    let weights = Weights::Factors(mesh.points().iter().map(|p| 1.0 + 20.0 * p.x).collect());
     let by_error = subdiv::optimise_error(mesh, &weights, 3, mesh.points().len()).unwrap().mesh;
     assert_ne!(by_error.points(), mesh.points(), "nothing was optimised");
     let faces = |mesh: &TetMesh| {

@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use std::collections::BTreeMap;
 use subsolid::mesh::{TetMesh, features, generate, topology};
 use subsolid::subdiv::options::{Boundary, Mode, Objective, Optimise, Options, Scheme};
-use subsolid::subdiv::{self, History};
+use subsolid::subdiv::{self, Directions, History, Weights};
 
 /// A solid of unit cubes, some of them left out, in two regions; bent by a wave if `bend` is not zero.
 #[derive(Debug, Clone)]
@@ -95,12 +95,14 @@ fn models() -> impl Strategy<Value = Model> {
 }
 
 fn optimisers() -> impl Strategy<Value = Optimise> {
-    let of = |(mode, objective, passes)| Optimise { mode, objective, passes, ..Optimise::default() };
+    let of =
+        |(mode, objective, directions, passes)| Optimise { mode, objective, directions, passes, ..Optimise::default() };
     prop::sample::select(vec![
-        (Mode::Paper, Objective::Quality, 0),
-        (Mode::Paper, Objective::Quality, 2),
-        (Mode::Best, Objective::Quality, 2),
-        (Mode::Best, Objective::Error, 2),
+        (Mode::Paper, Objective::Quality, true, 0),
+        (Mode::Paper, Objective::Quality, true, 2),
+        (Mode::Best, Objective::Quality, true, 2),
+        (Mode::Best, Objective::Error, true, 2),
+        (Mode::Best, Objective::Error, false, 2),
     ])
     .prop_map(of)
 }
@@ -267,8 +269,13 @@ fn step(mesh: &TetMesh, history: &History, selection: Selection, options: &Optio
     if !options.optimise.ends_in_error() {
         return (refined.mesh, refined.history);
     }
-    let weights: Vec<f64> = mesh.points().iter().map(|p| 1.0 + p.length_squared()).collect();
-    let weights = subdiv::carry_over(&weights, &refined.transfer);
+    let sizes = mesh.points().iter().map(|p| 1.0 + p.length_squared());
+    let weights = if options.optimise.directions {
+        Weights::Directions(sizes.map(|x| Directions([x, 0.2, 2.0, 0.1, 0.3, x.sqrt()])).collect())
+    } else {
+        Weights::Factors(sizes.collect())
+    };
+    let weights = weights.carried_over(&refined.transfer);
     let first = mesh.points().len();
     let optimised = subdiv::optimise_error(&refined.mesh, &weights, options.optimise.passes, first).unwrap();
     (optimised.mesh, refined.history.renumbered(&optimised.kept))

@@ -14,6 +14,7 @@ use subsolid::subdiv::{self, History, Refined};
 const BEST: Optimise = Optimise {
     mode: Mode::Best,
     objective: Objective::Quality,
+    directions: true,
     measure: QualityMeasure::MinSine,
     passes: 3,
     target_angle: 32.0,

@@ -28,11 +28,13 @@ group = "x-max"
 traction = [1.0, 0.0, 0.0]
 "#;
 
-/// A beam of length 10 and section 1 x 1, clamped and bent by a force of 1.
+/// A beam of length 10 and section 1 x 1 of linear elements, clamped and bent by a force of 1.
 const BENT: &str = r#"
 [mesh.box]
 size = [10.0, 1.0, 1.0]
 cells = [40, 6, 6]
+[analysis]
+element = "tet4"
 [materials.steel]
 youngs_modulus = 1000.0
 poissons_ratio = 0.0
@@ -235,6 +237,12 @@ fn tables_that_make_no_sense_are_refused_with_their_place() {
         ("[supports.w]\ngroup = \"x-max\"\ndisplacement = [0, 0, 1]", "displacement = { z = 1.0 }"),
         ("[quantities.q]\ntotal = \"mass\"\n[expect.q]\nvalue = 0\ntolerance = { relative = 0.1 }", "is relative to"),
         ("[quantities.q]\ntotal = \"mass\"\n[expect.q]\nvalue = 1\ntolerance = {}", "must name one bound"),
+        ("[expect.effectivity]\nbetween = [0.9, 1.1]", "needs a known solution"),
+        ("[expect.relative-error]\nbetween = [0.9, 0.1]", "the smaller first"),
+        ("[expect.relative-error]\nbetween = [0.9]", "the smaller first"),
+        ("[expect.relative-error]\nvalue = 0.9\nbetween = [0.8, 1.0]", "stands beside a value"),
+        ("[expect.relative-error]\nsource = \"somebody\"", "lacks `value`"),
+        ("[expect.strain-enrgy]\nbetween = [0.8, 1.0]", "strain-energy"),
         ("[probes.p]\nfrom = [0, 0, 0]\nto = [0, 0, 0]\npoints = 5", "is the point it starts"),
         ("[probes.p]\nfrom = [0, 0, 0]\nto = [1, 0, 0]\npoints = 1", "from 2"),
         ("[probes.\"a/b\"]\nfrom = [0, 0, 0]\nto = [1, 0, 0]\npoints = 5", "no file can take"),
@@ -245,13 +253,15 @@ fn tables_that_make_no_sense_are_refused_with_their_place() {
     }
 }
 
-/// A scenario of a known solution, on sliding planes of symmetry.
+/// A scenario of a known solution with linear elements, on sliding planes of symmetry.
 fn known(mesh: &str, exact: &str, sliding: &[(&str, &str)]) -> String {
     let supports: String = sliding
         .iter()
         .map(|(group, axis)| format!("[supports.{group}]\ngroup = \"{group}\"\nfix = [\"{axis}\"]\n"))
         .collect();
-    format!("{mesh}\n[materials.a]\nyoungs_modulus = 1.0\npoissons_ratio = 0.3\n{supports}[exact]\n{exact}\n")
+    format!(
+        "{mesh}\n[analysis]\nelement = \"tet4\"\n[materials.a]\nyoungs_modulus = 1.0\npoissons_ratio = 0.3\n{supports}[exact]\n{exact}\n"
+    )
 }
 
 /// Estimated and true errors of the last step, and their quotient.

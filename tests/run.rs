@@ -296,3 +296,43 @@ fn a_run_prints_reactions_that_balance_the_loads() {
     let z: f64 = line.split_whitespace().last().unwrap().parse().unwrap();
     assert!((z - 1.0).abs() < 1e-5, "{line}");
 }
+
+#[test]
+fn variants_are_compared_on_equal_terms() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "title = \"cell\"\nmesh.l-prism = { cells = 1 }\n\
+                materials.m = { youngs_modulus = 1.0, poissons_ratio = 0.3 }\nexact.solution = \"l-prism\"\n\
+                analysis.element = \"tet4\"\n\
+                supports.sides = { any = [{ group = \"x-min\" }, { group = \"x-max\" }, { group = \"y-min\" }, { group = \"y-max\" }], fix = \"exact\" }\n\
+                supports.ends = { any = [{ group = \"z-min\" }, { group = \"z-max\" }], fix = [\"z\"] }\n\
+                refine = { steps = 8, stop.max_cells = 300 }\noutput.vtk = false\n";
+    std::fs::write(folder.path().join("l.toml"), text).unwrap();
+    let run = |arguments: &[&str]| {
+        subsolid(folder.path(), &[&["compare", "l.toml", "--output", "out", "--repeat", "1"], arguments].concat())
+    };
+    let (code, stdout, stderr) = run(&["--schemes"]);
+    assert_eq!(code, Some(0), "{stdout}{stderr}");
+    let json = std::fs::read_to_string(folder.path().join("out/compare.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let variants = json["variants"].as_array().unwrap();
+    let names: Vec<&str> = variants.iter().map(|v| v["name"].as_str().unwrap()).collect();
+    let all = ["sqrt3-paper", "sqrt3-quality", "sqrt3-error", "bisection", "bisection-error", "red", "red-error"];
+    assert_eq!(names, all);
+    assert_eq!(json["error_source"], "true");
+    // The same input mesh and solver: the first steps agree to the last bit, and every run has paid for the common error.
+    for variant in variants {
+        let first = |key: &str| variant["report"]["steps"][0][key].clone();
+        assert_eq!(first("strain_energy"), variants[0]["report"]["steps"][0]["strain_energy"]);
+        let dofs = variant["paid"]["dofs"].as_f64().unwrap();
+        assert!(dofs >= first("dofs").as_f64().unwrap(), "{variant}");
+    }
+    for file in
+        ["error_dofs.svg", "error_seconds.svg", "error_memory.svg", "red/report.json", "sqrt3-error/scenario.toml"]
+    {
+        assert!(folder.path().join("out").join(file).is_file(), "{file}");
+    }
+    let (code, stdout, _) = run(&["--variant", "coarse", "--variant", "fine: mesh.l-prism.cells=2"]);
+    assert!(code == Some(0) && stdout.contains("fine") && stdout.contains("coarse"), "{stdout}");
+    let (code, _, stderr) = run(&["--variant", "a", "--variant", "a: refine.steps=1"]);
+    assert!(code == Some(2) && stderr.contains("two variants are called `a`"), "{stderr}");
+}

@@ -20,6 +20,7 @@ const fn options(scheme: Scheme, boundary: Boundary) -> Options {
 const OPTIMISE: Optimise = Optimise {
     mode: subsolid::subdiv::options::Mode::Paper,
     objective: subsolid::subdiv::options::Objective::Quality,
+    directions: true,
     measure: subsolid::subdiv::options::QualityMeasure::MinSine,
     passes: 3,
     target_angle: 32.0,

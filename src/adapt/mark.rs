@@ -20,6 +20,7 @@ pub fn mark(errors: &CellErrors, marking: Marking) -> Result<Vec<bool>, AdaptErr
 /// - Maximum: eta_K >= theta max eta.
 /// - Fraction: the worst theta n of n cells, rounded, at least one.
 /// - Threshold: eta_K > t.
+/// - Look-ahead: as Doerfler; to mark fewer is for those who know the steps before.
 ///
 /// # Errors
 /// [`AdaptError`] if theta is outside (0, 1], the threshold is negative or not finite, or an error is negative or not
@@ -31,7 +32,7 @@ pub fn mark_values(squared: &[f64], marking: Marking) -> Result<Vec<bool>, Adapt
     }
     let largest = squared.iter().copied().fold(0.0, f64::max);
     Ok(match marking {
-        Marking::Doerfler(theta) => doerfler(squared, theta),
+        Marking::Doerfler(theta) | Marking::LookAhead(theta) => doerfler(squared, theta),
         Marking::Maximum(theta) => {
             let bound = theta * largest.sqrt();
             squared.iter().map(|e| *e > 0.0 && e.sqrt() >= bound).collect()
@@ -49,6 +50,7 @@ fn check_parameter(marking: Marking) -> Result<(), AdaptError> {
         Marking::Doerfler(theta) => ("doerfler", theta),
         Marking::Maximum(theta) => ("maximum", theta),
         Marking::Fraction(theta) => ("fraction", theta),
+        Marking::LookAhead(theta) => ("look_ahead", theta),
         Marking::Threshold(value) if value >= 0.0 && value.is_finite() => return Ok(()),
         Marking::Threshold(value) => {
             return Err(AdaptError::Parameter { name: "threshold", value, range: "finite and not negative" });

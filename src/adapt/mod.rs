@@ -3,6 +3,7 @@
 mod error;
 mod estimate;
 mod grow;
+mod hessians;
 mod mark;
 pub mod options;
 

@@ -25,4 +25,7 @@ pub enum Marking {
     Fraction(f64),
     /// Cells whose error (energy norm) is above this value.
     Threshold(f64),
+    /// The worst, so many that the tolerance that is asked for is forecast to be reached in the least time; at most those
+    /// that hold this fraction of the squared error.
+    LookAhead(f64),
 }

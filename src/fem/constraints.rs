@@ -6,7 +6,7 @@
 
 use super::numbering::Dofs;
 use super::{FemError, Model, Space, check};
-use crate::mesh::{TetMesh, topology};
+use crate::mesh::TetMesh;
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
@@ -93,16 +93,13 @@ struct Row {
 
 impl Bodies {
     fn new(mesh: &TetMesh) -> Self {
-        let (part_of, count) = topology::parts(mesh.tets());
+        let (part_of, count) = mesh.connected_parts();
         let mut parts = vec![Body { cells: 0, lo: DVec3::INFINITY, hi: DVec3::NEG_INFINITY }; count];
         let mut part_at = vec![u32::MAX; mesh.points().len()];
         let mut joints = Vec::new();
-        for (tet, &part) in mesh.tets().iter().zip(&part_of) {
-            let body = &mut parts[part as usize];
-            body.cells += 1;
+        for (tet, &part) in mesh.tets().iter().zip(part_of) {
+            parts[part as usize].cells += 1;
             for &v in tet {
-                let x = mesh.points()[v as usize];
-                (body.lo, body.hi) = (body.lo.min(x), body.hi.max(x));
                 let first = &mut part_at[v as usize];
                 if *first == u32::MAX {
                     *first = part;
@@ -113,6 +110,11 @@ impl Bodies {
         }
         joints.sort_unstable();
         joints.dedup();
+        let first = (0..).zip(&part_at).filter(|(_, part)| **part != u32::MAX).map(|(v, part)| (v, *part));
+        for (v, part) in first.chain(joints.iter().map(|&(v, _, other)| (v as usize, other))) {
+            let (body, x) = (&mut parts[part as usize], mesh.points()[v]);
+            (body.lo, body.hi) = (body.lo.min(x), body.hi.max(x));
+        }
         Self { parts, part_at, joints }
     }
 

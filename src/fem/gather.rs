@@ -16,7 +16,8 @@ pub(super) fn gather<I: Iterator<Item = u32>>(
     fill: impl Fn(u32, &[u32], &mut [DMat3]) + Sync,
 ) -> BlockMatrix {
     let (starts, columns) = pattern(cells, count, nodes);
-    let mut blocks = vec![DMat3::ZERO; columns.len()];
+    // Memory is touched by all threads at once.
+    let mut blocks: Vec<DMat3> = rayon::iter::repeat_n(DMat3::ZERO, columns.len()).collect();
     let mut chunks = Vec::with_capacity(count.div_ceil(CHUNK));
     let mut rest = blocks.as_mut_slice();
     for first in (0..count).step_by(CHUNK) {

@@ -38,7 +38,7 @@ pub use numbering::{Prescribed, prescribed};
 pub use quadrature::FOUR_POINTS;
 pub use quantity::{Cells, Extent, Quantity, QuantityKind, State};
 pub use recover::{Solution, global_balance, recover};
-pub use solve::{Multigrid, Solved, SolverInfo, solve};
+pub use solve::{Multigrid, Solved, SolverInfo, factor_numbers, solve};
 pub use space::Space;
 pub use stress::Stress;
 

@@ -39,10 +39,11 @@ impl Dofs {
 
     /// Numbers the nodes when the prescribed components are given, sorted and each once.
     pub fn from_prescribed(space: &Space<'_>, prescribed: Vec<Prescribed>) -> Self {
-        let mut mask = vec![DVec3::ZERO; space.points().len()];
+        let mut used = vec![false; space.points().len()];
         for v in (0..space.mesh().tets().len()).flat_map(|t| space.cell(t)) {
-            mask[v as usize] = DVec3::ONE;
+            used[v as usize] = true;
         }
+        let mut mask: Vec<DVec3> = used.into_iter().map(|used| DVec3::splat(f64::from(u8::from(used)))).collect();
         for p in &prescribed {
             mask[p.node as usize][p.component as usize] = 0.0;
         }

@@ -8,10 +8,21 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "kebab-case")]
 pub enum Element {
     /// Tetrahedra with linear displacements between their vertices.
-    #[default]
     Tet4,
-    /// Tetrahedra with quadratic displacements between their vertices and the midpoints of their straight edges.
+    /// Tetrahedra with quadratic displacements between their vertices and the midpoints of their edges.
+    #[default]
     Tet10,
+}
+
+impl Element {
+    /// Its word in scenarios.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Tet4 => "tet4",
+            Self::Tet10 => "tet10",
+        }
+    }
 }
 
 /// How the linear system is solved.
@@ -107,4 +118,11 @@ pub enum ExactSolution {
     /// The L-prism in plane strain with the displacement of its opening mode, r^0.5445 at the re-entrant edge, whose faces
     /// are free (Williams).
     LPrism,
+    /// u = (x^2 + 2xy - z^2, y^2 - xz + 3yz, xy + z^2 - 2x^2) on any body: ten-node cells represent it.
+    QuadraticPatch,
+    /// A quarter of a tube of radii 1 and 2 under an inner pressure of 1, in plane strain (Lame).
+    LameCylinder,
+    /// A beam of length 8 and height 2 in plane strain with the resultant 1 of a parabolic shear traction at its end x = 8
+    /// (Timoshenko and Goodier).
+    Timoshenko,
 }

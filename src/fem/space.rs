@@ -6,12 +6,17 @@
 use super::options::Element;
 use super::{quadrature, tet4};
 use crate::mesh::features::face_normal;
+use crate::mesh::locate::Locator;
 use crate::mesh::midside::{self, Midside};
 use crate::mesh::quality::EDGES;
 use crate::mesh::topology::{self, sorted2};
 use crate::mesh::{Face, TetMesh};
 use glam::DVec3;
+use rayon::prelude::*;
 use std::borrow::Cow;
+
+/// How many places a thread looks up at a time.
+const PLACES: usize = 256;
 
 /// A mesh with the nodes of its elements.
 #[derive(Debug, Clone)]
@@ -218,6 +223,19 @@ impl<'m> Space<'m> {
     #[must_use]
     pub fn interpolate(&self, values: &[DVec3], t: usize, l: [f64; 4]) -> DVec3 {
         self.cell(t).zip(self.shape(l)).map(|(v, n)| n * values[v as usize]).sum()
+    }
+}
+
+impl Space<'_> {
+    /// A field of this space at places in the body: that of the cell there, and outside that of the nearest point.
+    #[must_use]
+    pub fn at_places(&self, values: &[DVec3], places: &[DVec3]) -> Vec<DVec3> {
+        let locator = Locator::new(self.mesh);
+        let value = |x: &DVec3| {
+            let found = locator.nearest(*x);
+            self.interpolate(values, found.cell, found.weights)
+        };
+        places.par_iter().with_min_len(PLACES).map(value).collect()
     }
 }
 

@@ -176,7 +176,7 @@ fn curved_elements_pass_the_patch_test() {
 /// with them the solution, come an order closer.
 #[test]
 fn curved_edges_pay_on_a_sphere() {
-    let mesh = crate::mesh::generate::sphere_shell([1.0, 2.0], [4, 3]).unwrap();
+    let mesh = crate::mesh::generate::sphere_shell([1.0, 2.0], [4, 3]).unwrap().mesh;
     let on_sphere = |edge: [u32; 2]| {
         let [p, q] = edge.map(|v| mesh.points()[v as usize]);
         let radius = 0.5 * (p.length() + q.length());
@@ -334,7 +334,7 @@ fn constant_after_two_steps(scheme: Scheme, mode: Mode) -> f64 {
         let refined = subdiv::refine(&mesh, &history, &all, &options).unwrap();
         (mesh, history) = (refined.mesh, refined.history);
         if optimise.ends_in_error() {
-            let weights = vec![1.0; mesh.points().len()];
+            let weights = subdiv::Weights::Factors(vec![1.0; mesh.points().len()]);
             let optimised = subdiv::optimise_error(&mesh, &weights, optimise.passes, first).unwrap();
             (mesh, history) = (optimised.mesh, history.renumbered(&optimised.kept));
         }

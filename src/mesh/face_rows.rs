@@ -1,16 +1,15 @@
 //! Which cells meet at each face: the base of all connectivity.
 
 use super::quality;
-use super::topology::{row_starts, sorted3, tet_faces};
+use super::rows::Rows;
+use super::topology::{sorted3, tet_faces, vertex_count};
 use rayon::prelude::*;
 
 /// The faces of all cells in rows by their smallest vertex (compressed rows), 4 bytes a face of a cell.
 pub(super) struct FaceRows<'a> {
     tets: &'a [[u32; 4]],
-    /// Where the row of each vertex begins, and where the last one ends.
-    starts: Vec<u32>,
     /// Face `i` of cell `t` as `4 t + i`, ascending in each row; enough for 2^30 cells.
-    uses: Vec<u32>,
+    rows: Rows,
 }
 
 /// A face of a cell: its two larger vertices in ascending order (the smaller one in the upper half), and `4 t + i`.
@@ -22,16 +21,9 @@ const BATCH: usize = 16 * ROWS;
 
 impl<'a> FaceRows<'a> {
     pub(super) fn new(tets: &'a [[u32; 4]]) -> Self {
-        let smallest = |t: &[u32; 4]| tet_faces(*t).map(|[a, b, c]| a.min(b).min(c));
-        let rows = tets.iter().flatten().max().map_or(0, |&v| v as usize + 1);
-        let starts = row_starts(rows, tets.iter().flat_map(smallest));
-        let mut next = starts.clone();
-        let mut uses = vec![0; 4 * tets.len()];
-        for (face, v) in (0..).zip(tets.iter().flat_map(smallest)) {
-            uses[next[v as usize] as usize] = face;
-            next[v as usize] += 1;
-        }
-        Self { tets, starts, uses }
+        let smallest = |t: usize| tet_faces(tets[t]).map(|[a, b, c]| a.min(b).min(c));
+        let rows = Rows::new(vertex_count(tets), tets.len(), |t| smallest(t).into_iter().zip(4 * t as u32..));
+        Self { tets, rows }
     }
 
     /// The outward face that a use stands for.
@@ -43,7 +35,7 @@ impl<'a> FaceRows<'a> {
     /// Shows every face to `visit`: its sorted vertices, and its uses `4 t + i` in ascending order. Gives the results in
     /// the order of the sorted vertices to `take`, whatever the number of threads.
     pub(super) fn visit<T: Send>(&self, visit: impl Fn([u32; 3], &[FaceUse]) -> Option<T> + Sync, take: impl FnMut(T)) {
-        let rows = self.starts.len() - 1;
+        let rows = self.rows.len();
         let mut take = take;
         for batch in (0..rows).step_by(BATCH) {
             let end = rows.min(batch + BATCH);
@@ -63,7 +55,7 @@ impl<'a> FaceRows<'a> {
         let mut row: Vec<FaceUse> = Vec::new();
         for v in rows {
             row.clear();
-            row.extend(self.uses[self.starts[v] as usize..self.starts[v + 1] as usize].iter().map(|&face| {
+            row.extend(self.rows.row(v).iter().map(|&face| {
                 let [_, b, c] = sorted3(self.face(face));
                 (u64::from(b) << 32 | u64::from(c), face)
             }));

@@ -6,6 +6,9 @@ use glam::DVec3;
 /// Cells in a leaf of the tree at most.
 const LEAF: usize = 8;
 
+/// Barycentric coordinates this little below zero are zero.
+const ROUNDING: f64 = 1e-12;
+
 /// A point as seen from the cell that holds it, or that is nearest to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Located {
@@ -124,7 +127,9 @@ fn nearest_in_cell(x: [DVec3; 4], p: DVec3) -> ([f64; 4], f64) {
         part[i] = p;
         quality::volume(part) / volume
     });
-    if weights.iter().all(|w| *w >= 0.0) {
+    // Points on faces and at vertices, which are many, are inside of the first cell that is met.
+    if weights.iter().all(|w| *w >= -ROUNDING) {
+        let weights = weights.map(|w| w.max(0.0));
         let sum: f64 = weights.iter().sum();
         return (weights.map(|w| w / sum), 0.0);
     }

@@ -1,6 +1,8 @@
 //! Curved edges: places of mid-side nodes, and the quadratic map of a ten-node tetrahedron.
 
+use super::TetMesh;
 use super::quality::EDGES;
+use super::topology::sorted2;
 use glam::DVec3;
 
 /// The node on an edge of a mesh.
@@ -65,6 +67,24 @@ pub fn smallest_jacobian(x: &[DVec3; 10]) -> f64 {
     let all = corner.iter().chain(edges.iter().flatten()).chain::<&[f64; 4]>(&faces);
     let least = all.copied().fold(f64::INFINITY, f64::min);
     if least > 0.0 { least } else { lattice(FINE).map(at).fold(f64::INFINITY, f64::min) }
+}
+
+/// The cells of a mesh whose Jacobian determinant is not positive everywhere, each with its smallest value over its straight
+/// volume; `curved` are the nodes of the curved edges, sorted by edge.
+#[must_use]
+pub fn folded(mesh: &TetMesh, curved: &[Midside]) -> Vec<(f64, usize)> {
+    let position = |edge: [u32; 2]| {
+        let [p, q] = edge.map(|v| mesh.points()[v as usize]);
+        curved.binary_search_by_key(&edge, |m| m.edge).map_or(p.midpoint(q), |k| curved[k].position)
+    };
+    let smallest = |tet: &[u32; 4]| {
+        smallest_jacobian(&std::array::from_fn(|a| match a {
+            0..4 => mesh.points()[tet[a] as usize],
+            _ => position(sorted2(EDGES[a - 4].map(|i| tet[i]))),
+        }))
+    };
+    let cells = mesh.tets().iter().map(smallest).enumerate().filter(|(_, j)| j.is_nan() || *j <= 0.0);
+    cells.map(|(t, j)| (j / mesh.cell_volume(t), t)).collect()
 }
 
 /// Divisions of an edge in the lattice that decides where Bernstein coefficients do not.

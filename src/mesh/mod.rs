@@ -10,12 +10,15 @@ pub mod locate;
 pub mod midside;
 pub mod quality;
 pub mod read;
+mod rows;
 pub mod surface;
 pub mod topology;
 
 pub use error::{MeshError, Place, Victim};
 
 use glam::DVec3;
+use rayon::prelude::*;
+use std::sync::{Arc, OnceLock};
 
 /// Identifies a name in [`TetMesh::groups`] (named sets of boundary faces).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -77,6 +80,8 @@ pub struct TetMeshParts {
 #[derive(Debug, Clone)]
 pub struct TetMesh {
     parts: TetMeshParts,
+    /// The connected part of each cell and their number, from when they are first asked for.
+    connected: OnceLock<Arc<(Vec<u32>, usize)>>,
 }
 
 impl TetMesh {
@@ -87,13 +92,18 @@ impl TetMesh {
     /// is not positive, a face shared by more than two cells, a boundary face that is missing, foreign, or inward.
     pub fn new(parts: TetMeshParts) -> Result<Self, MeshError> {
         let mut parts = parts;
-        parts.faces.sort_unstable_by_key(|f| topology::sorted3(f.vertices));
-        parts.creases.sort_unstable();
-        parts.creases.dedup_by_key(|c| c.vertices);
-        parts.corners.sort_unstable();
-        parts.corners.dedup();
+        sort(&mut parts);
         check(&parts)?;
-        Ok(Self { parts })
+        topology::check_boundary(&parts.tets, &parts.faces)?;
+        Ok(Self { parts, connected: OnceLock::new() })
+    }
+
+    /// As [`TetMesh::new`], of parts whose boundary faces are those that `connection`, of the same cells, has found.
+    fn connected(mut parts: TetMeshParts, connection: topology::Connection) -> Result<Self, MeshError> {
+        sort(&mut parts);
+        check(&parts)?;
+        connection.crowded.map_or(Ok(()), Err)?;
+        Ok(Self { parts, connected: OnceLock::from(Arc::new(connection.parts)) })
     }
 
     /// A mesh of one region `name` whose boundary faces are found and carry no group.
@@ -220,12 +230,20 @@ impl TetMesh {
                 PatchId(parts.patches.len() as u32 - 1)
             });
         }
-        Ok((Self { parts }, group))
+        Ok((Self { parts, connected: self.connected }, group))
     }
 
     /// The mesh with other creases (sorted, all naming vertices of this mesh).
     fn replace_features(self, creases: Vec<Crease>, corners: Vec<u32>) -> Self {
-        Self { parts: TetMeshParts { creases, corners, ..self.parts } }
+        Self { parts: TetMeshParts { creases, corners, ..self.parts }, connected: self.connected }
+    }
+
+    /// The connected part of each cell (cells are connected through faces), numbered by first cell, and the number of
+    /// parts.
+    #[must_use]
+    pub fn connected_parts(&self) -> (&[u32], usize) {
+        let (part, count) = &**self.connected.get_or_init(|| Arc::new(topology::parts(&self.parts.tets)));
+        (part, *count)
     }
 
     /// Volume of cell `t`.
@@ -261,7 +279,16 @@ impl TetMesh {
     }
 }
 
-/// All checks of [`TetMesh::new`], on sorted parts.
+/// Brings the lists whose order means nothing into one.
+fn sort(parts: &mut TetMeshParts) {
+    parts.faces.par_sort_unstable_by_key(|f| topology::sorted3(f.vertices));
+    parts.creases.sort_unstable();
+    parts.creases.dedup_by_key(|c| c.vertices);
+    parts.corners.sort_unstable();
+    parts.corners.dedup();
+}
+
+/// The checks of [`TetMesh::new`] but that of the boundary, on sorted parts.
 fn check(parts: &TetMeshParts) -> Result<(), MeshError> {
     let lengths = [("regions", parts.regions.len()), ("levels", parts.levels.len())];
     for (what, len) in lengths {
@@ -277,6 +304,5 @@ fn check(parts: &TetMeshParts) -> Result<(), MeshError> {
     }
     topology::check_cells(&parts.points, &parts.tets)?;
     topology::check_volumes(&parts.points, &parts.tets)?;
-    topology::check_boundary(&parts.tets, &parts.faces)?;
     topology::check_tagged_vertices(parts.points.len(), &parts.creases, &parts.corners)
 }

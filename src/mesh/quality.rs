@@ -84,7 +84,24 @@ pub fn dihedral_angles(p: [DVec3; 4]) -> [f64; 6] {
 /// The smallest dihedral angle in degrees.
 #[must_use]
 pub fn min_dihedral(p: [DVec3; 4]) -> f64 {
-    dihedral_angles(p).into_iter().fold(f64::INFINITY, f64::min)
+    let six_volumes = 6.0 * volume(p);
+    if six_volumes <= 0.0 {
+        return dihedral_angles(p).into_iter().fold(f64::INFINITY, f64::min);
+    }
+    // The sine at edge e is 6 V |e| and the cosine -n_k . n_l, times the same length: the smallest angle has the largest
+    // -n_k . n_l / |e|, and only that angle is computed.
+    let n = face_normals(p);
+    let mut least = (f64::NEG_INFINITY, 1.0, 0.0);
+    for [i, j] in EDGES {
+        let [k, l] = other_two(i, j);
+        let (cosine, square) = (-n[k].dot(n[l]), p[i].distance_squared(p[j]));
+        let signed = cosine * cosine.abs() / square;
+        if signed > least.0 {
+            least = (signed, cosine, square);
+        }
+    }
+    let (_, cosine, square) = least;
+    (six_volumes * square.sqrt()).atan2(cosine).to_degrees()
 }
 
 /// The smallest solid angle at a vertex, in steradians, signed by the volume: 0.551 for the regular tetrahedron, zero for a
@@ -202,13 +219,12 @@ pub fn quality(mesh: &TetMesh) -> Quality {
         max_valence: valence.iter().copied().max().unwrap_or(0),
         average_valence: 4.0 * mesh.tets().len() as f64 / used as f64,
         valence_above_50: valence.iter().filter(|&&n| n > 50).count() as f64 / used as f64,
-        inverted: 0,
+        inverted: (0..mesh.tets().len()).into_par_iter().filter(|&t| mesh.cell_volume(t) <= 0.0).count(),
     };
-    let mut q = min_dihedrals(mesh).into_iter().enumerate().fold(start, |q, (t, angle)| Quality {
+    let mut q = min_dihedrals(mesh).into_iter().fold(start, |q, angle| Quality {
         worst: q.worst.min(angle),
         average: q.average + angle,
         best: q.best.max(angle),
-        inverted: q.inverted + usize::from(mesh.cell_volume(t) <= 0.0),
         ..q
     });
     q.average /= mesh.tets().len().max(1) as f64;
@@ -293,6 +309,16 @@ mod tests {
         assert!((min_solid_angle(corner) - expected).abs() < 1e-14);
         let [a, b, c, d] = corner;
         assert!(min_solid_angle([a, b, d, c]) < 0.0);
+    }
+
+    #[test]
+    fn the_smallest_angle_is_the_smallest_of_the_six() {
+        let apex = |x: f64, h: f64| [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(x, 0.3, h)];
+        for (x, h) in [(0.2, 1.0), (0.5, 1e-3), (-3.0, 0.1), (40.0, 2.0), (0.3, 1e-7), (0.3, -0.2)] {
+            let p = apex(x, h);
+            let least = dihedral_angles(p).into_iter().fold(f64::INFINITY, f64::min);
+            assert!((min_dihedral(p) / least - 1.0).abs() < 1e-8, "{x} {h}: {} {least}", min_dihedral(p));
+        }
     }
 
     #[test]

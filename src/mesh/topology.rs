@@ -1,8 +1,10 @@
 //! Connectivity: faces, edges, neighbours. Nothing here but the volume check looks at positions.
 
 use super::face_rows::{FaceRows, FaceUse};
+use super::rows::Rows;
 use super::{Crease, Face, MeshError, Victim, quality};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// The three indices in ascending order.
 #[must_use]
@@ -29,33 +31,32 @@ pub fn tet_edges(t: [u32; 4]) -> [[u32; 2]; 6] {
     quality::EDGES.map(|[i, j]| sorted2([t[i], t[j]]))
 }
 
+/// How many rows a thread takes at a time.
+const ROWS: usize = 1 << 12;
+
 /// All edges of the cells, sorted, each once.
 #[must_use]
 pub fn edges(tets: &[[u32; 4]]) -> Vec<[u32; 2]> {
-    let rows = tets.iter().flatten().max().map_or(0, |&v| v as usize + 1);
-    let all = || tets.iter().flat_map(|&t| tet_edges(t));
-    let mut starts = row_starts(rows, all().map(|[a, _]| a));
-    let mut ends = vec![0; 6 * tets.len()];
-    for [a, b] in all() {
-        ends[starts[a as usize] as usize] = b;
-        starts[a as usize] += 1;
-    }
-    // Each start has moved to the end of its row.
-    let mut begin = 0;
-    let mut count = 0;
-    for &end in &starts[..rows] {
-        let row = &mut ends[begin..end as usize];
-        row.sort_unstable();
-        count += row.chunk_by(|x, y| x == y).count();
-        begin = end as usize;
-    }
-    let mut edges = Vec::with_capacity(count);
-    begin = 0;
-    for (a, &end) in (0..).zip(&starts[..rows]) {
-        edges.extend(ends[begin..end as usize].chunk_by(|x, y| x == y).map(|same| [a, same[0]]));
-        begin = end as usize;
-    }
-    edges
+    let rows = Rows::new(vertex_count(tets), tets.len(), |t| tet_edges(tets[t]).map(|[a, b]| (a, b)));
+    let of_rows = |first: usize| {
+        let (mut edges, mut row) = (Vec::new(), Vec::new());
+        for a in first..rows.len().min(first + ROWS) {
+            row.clear();
+            row.extend_from_slice(rows.row(a));
+            row.sort_unstable();
+            row.dedup();
+            edges.extend(row.iter().map(|&b| [a as u32, b]));
+        }
+        edges
+    };
+    let firsts: Vec<usize> = (0..rows.len()).step_by(ROWS).collect();
+    let edges: Vec<Vec<[u32; 2]>> = firsts.into_par_iter().map(of_rows).collect();
+    edges.concat()
+}
+
+/// One more than the largest vertex of the cells.
+pub(super) fn vertex_count(tets: &[[u32; 4]]) -> usize {
+    tets.par_iter().with_min_len(ROWS).flatten_iter().max().map_or(0, |&v| v as usize + 1)
 }
 
 /// The edges of triangles, sorted by vertices, with the indices of the triangles at each.
@@ -65,16 +66,6 @@ pub fn triangle_edges(triangles: impl Iterator<Item = [u32; 3]>) -> Vec<([u32; 2
     let mut uses: Vec<([u32; 2], usize)> = triangles.enumerate().flat_map(sides).collect();
     uses.sort_unstable();
     uses.chunk_by(|a, b| a.0 == b.0).map(|same| (same[0].0, same.iter().map(|u| u.1).collect())).collect()
-}
-
-/// Where each of `rows` rows begins, and where the last one ends, given the row of every entry.
-pub(super) fn row_starts(rows: usize, entries: impl Iterator<Item = u32>) -> Vec<u32> {
-    let mut starts = vec![0_u32; rows + 1];
-    entries.for_each(|v| starts[v as usize + 1] += 1);
-    for v in 0..rows {
-        starts[v + 1] += starts[v];
-    }
-    starts
 }
 
 /// Boundary faces of the cells, outward, sorted by their sorted vertices.
@@ -119,12 +110,14 @@ pub fn face_neighbours(tets: &[[u32; 4]]) -> Vec<[Option<u32>; 4]> {
 }
 
 /// What one look at all faces tells of distinct cells.
-#[derive(Debug, PartialEq)]
+#[derive(Debug)]
 pub(super) struct Connection {
     /// As [`boundary_faces`] gives them.
     pub(super) faces: Vec<[u32; 3]>,
     /// As [`parts`] gives them.
     pub(super) parts: (Vec<u32>, usize),
+    /// [`MeshError::OvercrowdedFace`] of the first face with more than two cells.
+    pub(super) crowded: Option<MeshError>,
 }
 
 /// The boundary and the parts, unless two cells have the same four vertices: then these, the second after the first.
@@ -133,22 +126,28 @@ pub(super) fn connect(tets: &[[u32; 4]]) -> Result<Connection, [usize; 2]> {
         Boundary([u32; 3]),
         Between([u32; 2]),
         Same([usize; 2]),
+        Crowded([u32; 3], usize),
     }
     let rows = FaceRows::new(tets);
-    let (mut faces, mut roots, mut repeated) = (Vec::new(), Roots::new(tets.len()), None);
+    let (mut faces, mut roots, mut repeated, mut crowded) = (Vec::new(), Roots::new(tets.len()), None, None);
     rows.visit(
-        |_, uses| match (only(uses), same_cells(tets, uses)) {
-            (Some(face), _) => Some(Found::Boundary(rows.face(face))),
-            (None, Some(cells)) => Some(Found::Same(cells)),
-            (None, None) => pair(uses).map(Found::Between),
+        |key, uses| {
+            Some(match (only(uses), same_cells(tets, uses), pair(uses)) {
+                (Some(face), ..) => Found::Boundary(rows.face(face)),
+                (_, Some(cells), _) => Found::Same(cells),
+                (.., Some(uses)) => Found::Between(uses),
+                (.., None) => Found::Crowded(key, uses.len()),
+            })
         },
         |found| match found {
             Found::Boundary(face) => faces.push(face),
             Found::Between(uses) => roots.join(uses),
             Found::Same(cells) => repeated = repeated.or(Some(cells)),
+            Found::Crowded(face, count) => crowded = crowded.or(Some((face, count))),
         },
     );
-    repeated.map_or_else(|| Ok(Connection { faces, parts: roots.number() }), Err)
+    let crowded = crowded.map(|(key, count)| overcrowded(&rows, key, count));
+    repeated.map_or_else(|| Ok(Connection { faces, parts: roots.number(), crowded }), Err)
 }
 
 /// Two cells at one face that are the same: so is the vertex opposite to it.
@@ -166,10 +165,7 @@ fn same_cells(tets: &[[u32; 4]], uses: &[FaceUse]) -> Option<[usize; 2]> {
 
 /// Lists of cells by node, in one array (compressed rows).
 #[derive(Debug, Clone)]
-pub struct NodeCells {
-    starts: Vec<u32>,
-    cells: Vec<u32>,
-}
+pub struct NodeCells(Rows);
 
 /// Lists of cells by vertex.
 pub type VertexCells = NodeCells;
@@ -177,17 +173,8 @@ pub type VertexCells = NodeCells;
 impl NodeCells {
     /// Collects the cells at each of `count` nodes, in ascending order; `nodes` gives those of a cell.
     #[must_use]
-    pub fn of<I: Iterator<Item = u32>>(count: usize, cells: usize, nodes: impl Fn(usize) -> I) -> Self {
-        let starts = row_starts(count, (0..cells).flat_map(&nodes));
-        let mut next = starts.clone();
-        let mut list = vec![0_u32; starts[count] as usize];
-        for t in 0..cells {
-            for v in nodes(t) {
-                list[next[v as usize] as usize] = t as u32;
-                next[v as usize] += 1;
-            }
-        }
-        Self { starts, cells: list }
+    pub fn of<I: Iterator<Item = u32>>(count: usize, cells: usize, nodes: impl Fn(usize) -> I + Sync) -> Self {
+        Self(Rows::new(count, cells, |t| nodes(t).map(move |v| (v, t as u32))))
     }
 
     /// Collects the cells at each of `vertex_count` vertices, in ascending order.
@@ -199,11 +186,12 @@ impl NodeCells {
     /// Cells at node `v`, ascending.
     #[must_use]
     pub fn at(&self, v: u32) -> &[u32] {
-        &self.cells[self.starts[v as usize] as usize..self.starts[v as usize + 1] as usize]
+        self.0.row(v as usize)
     }
 }
 
-/// The connected part of each cell (cells are connected through faces), numbered by first cell, and the number of parts.
+/// The connected part of each cell (cells are connected through faces), numbered by first cell, and the number of parts. A
+/// mesh keeps its own: [`super::TetMesh::connected_parts`].
 #[must_use]
 pub fn parts(tets: &[[u32; 4]]) -> (Vec<u32>, usize) {
     let mut roots = Roots::new(tets.len());
@@ -260,22 +248,22 @@ pub(super) fn check_cells(points: &[DVec3], tets: &[[u32; 4]]) -> Result<(), Mes
     if let Some(vertex) = points.iter().position(|p| !p.is_finite()) {
         return Err(MeshError::NotFinite { vertex, position: points[vertex] });
     }
-    for (cell, &vertices) in tets.iter().enumerate() {
-        if let Some(&vertex) = vertices.iter().find(|&&v| v as usize >= points.len()) {
-            return Err(MeshError::VertexOutOfRange { cell, vertices, vertex, count: points.len() });
-        }
-        if tet_edges(vertices).iter().any(|[a, b]| a == b) {
-            return Err(MeshError::RepeatedVertex(victim(points, tets, cell)));
-        }
-    }
-    Ok(())
+    let outside = |v: &&u32| **v as usize >= points.len();
+    let bad = |t: &[u32; 4]| t.iter().any(|v| outside(&v)) || tet_edges(*t).iter().any(|[a, b]| a == b);
+    let Some(cell) = tets.par_iter().with_min_len(ROWS).position_first(bad) else { return Ok(()) };
+    let vertices = tets[cell];
+    Err(match vertices.iter().find(outside) {
+        Some(&vertex) => MeshError::VertexOutOfRange { cell, vertices, vertex, count: points.len() },
+        None => MeshError::RepeatedVertex(victim(points, tets, cell)),
+    })
 }
 
 /// Checks that every cell has a positive volume ([`quality::is_positive`]); names the worst.
 pub(super) fn check_volumes(points: &[DVec3], tets: &[[u32; 4]]) -> Result<(), MeshError> {
     let corners = |cell: usize| tets[cell].map(|v| points[v as usize]);
     let volume = |cell: usize| quality::volume(corners(cell));
-    let bad: Vec<usize> = (0..tets.len()).filter(|&t| !quality::is_positive(corners(t))).collect();
+    let cells = (0..tets.len()).into_par_iter().with_min_len(ROWS);
+    let bad: Vec<usize> = cells.filter(|&t| !quality::is_positive(corners(t))).collect();
     let worst = bad.iter().copied().min_by(|&a, &b| volume(a).total_cmp(&volume(b)));
     match worst {
         None => Ok(()),
@@ -314,7 +302,7 @@ fn check_face<'a>(
     face: u32,
 ) -> Result<(), MeshError> {
     if count > 2 {
-        return Err(MeshError::OvercrowdedFace { vertices: key, count, cells: rows.cells_at(key) });
+        return Err(overcrowded(rows, key, count));
     }
     let Some(found) = listed.next_if(|f| sorted3(f.vertices) <= key) else {
         let problem = "is missing from the list of boundary faces";
@@ -328,6 +316,11 @@ fn check_face<'a>(
         return Ok(());
     }
     Err(MeshError::Boundary { vertices: found.vertices, problem: "is oriented inward" })
+}
+
+/// The error of a face with more than two cells.
+fn overcrowded(rows: &FaceRows, vertices: [u32; 3], count: usize) -> MeshError {
+    MeshError::OvercrowdedFace { vertices, count, cells: rows.cells_at(vertices) }
 }
 
 /// Why a listed face is none of the boundary.
@@ -411,7 +404,9 @@ mod tests {
             let roots: Vec<usize> = first.iter().copied().collect::<BTreeSet<_>>().into_iter().collect();
             let part = first.iter().map(|f| roots.binary_search(f).unwrap() as u32).collect::<Vec<_>>();
             prop_assert_eq!(parts(&tets), (part, roots.len()));
-            prop_assert_eq!(connect(&tets), Ok(Connection { faces, parts: parts(&tets) }));
+            let connection = connect(&tets).unwrap();
+            prop_assert_eq!((connection.faces, connection.parts), (faces, parts(&tets)));
+            prop_assert!(connection.crowded.is_none());
 
             let all: BTreeSet<[u32; 2]> = tets.iter().flat_map(|&tet| tet_edges(tet)).collect();
             prop_assert_eq!(edges(&tets), all.into_iter().collect::<Vec<_>>());
@@ -424,7 +419,7 @@ mod tests {
             again.rotate_left(turn);
             tets.insert(place, again);
             let original = if place <= t { t + 1 } else { t };
-            prop_assert_eq!(connect(&tets), Err([original.min(place), original.max(place)]));
+            prop_assert_eq!(connect(&tets).err(), Some([original.min(place), original.max(place)]));
         }
     }
 }

@@ -52,6 +52,8 @@ pub struct EqualError {
     pub dofs: Option<f64>,
     /// Ratio of the seconds of computing from the start until that error is reached, earlier steps included.
     pub seconds: Option<f64>,
+    /// Ratio of the most memory held until then.
+    pub memory: Option<f64>,
     /// Why there is no ratio.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
@@ -61,7 +63,7 @@ pub struct EqualError {
 #[must_use]
 pub fn ratios(global: &Report, adaptive: &Report) -> Ratios {
     let equal_step = global.steps.iter().zip(&adaptive.steps).map(|(g, a)| step_ratio(g, a)).collect();
-    let error_source = error_source(global, adaptive);
+    let error_source = error_source([global, adaptive]);
     let equal_error = equal_error(&costs(&global.steps), &costs(&adaptive.steps), error_source);
     let equal_error = equal_error.unwrap_or_else(|reason| EqualError {
         error: None,
@@ -69,15 +71,20 @@ pub fn ratios(global: &Report, adaptive: &Report) -> Ratios {
         cells: None,
         dofs: None,
         seconds: None,
+        memory: None,
         reason: Some(reason),
     });
     Ratios { equal_step, equal_error }
 }
 
-/// Where the errors of both runs come from.
-fn error_source(global: &Report, adaptive: &Report) -> &'static str {
-    let known = global.steps.iter().chain(&adaptive.steps).all(|s| s.error.true_relative.is_some());
-    if known { "true" } else { "estimated" }
+/// What [`error_source`] says of errors that are known exactly.
+pub const TRUE: &str = "true";
+
+/// Where the errors of runs come from: they are estimated unless the true ones of all are known.
+#[must_use]
+pub fn error_source<'a>(runs: impl IntoIterator<Item = &'a Report>) -> &'static str {
+    let known = runs.into_iter().flat_map(|r| &r.steps).all(|s| s.error.true_relative.is_some());
+    if known { TRUE } else { "estimated" }
 }
 
 fn step_ratio(global: &StepRecord, adaptive: &StepRecord) -> StepRatio {
@@ -92,20 +99,22 @@ fn step_ratio(global: &StepRecord, adaptive: &StepRecord) -> StepRatio {
 
 /// What a run had paid when it had an error: a point of its curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Cost {
-    error: f64,
-    /// Cells, dofs, seconds since the start.
-    paid: [f64; 3],
+pub struct Cost {
+    /// The relative error: the true one where it is known.
+    pub error: f64,
+    /// Cells, dofs, seconds of computing since the start, most bytes held since the start.
+    pub paid: [f64; 4],
 }
 
 /// The curve of a run. Steps without an error that has a logarithm are left out.
-fn costs(steps: &[StepRecord]) -> Vec<Cost> {
+#[must_use]
+pub fn costs(steps: &[StepRecord]) -> Vec<Cost> {
     let mut seconds = 0.0;
     let all = steps.iter().map(|s| {
         seconds += s.seconds.computing();
         Cost {
             error: s.error.true_relative.unwrap_or(s.error.relative),
-            paid: [s.mesh.cells as f64, s.dofs as f64, seconds],
+            paid: [s.mesh.cells as f64, s.dofs as f64, seconds, s.peak_memory_bytes as f64],
         }
     });
     all.filter(|c| c.error.is_finite() && c.error > 0.0).collect()
@@ -123,12 +132,13 @@ fn equal_error(global: &[Cost], adaptive: &[Cost], error_source: &'static str) -
         cells: ratio(0),
         dofs: ratio(1),
         seconds: ratio(2),
+        memory: ratio(3),
         reason: None,
     })
 }
 
 /// What a run had paid when its error first fell to `error`.
-fn paid_at(run: &[Cost], error: f64, name: &str) -> Result<[f64; 3], String> {
+pub(super) fn paid_at(run: &[Cost], error: f64, name: &str) -> Result<[f64; 4], String> {
     let (before, after) = match run.iter().position(|c| c.error <= error) {
         Some(0) if run[0].error < error => {
             return Err(format!(
@@ -141,7 +151,7 @@ fn paid_at(run: &[Cost], error: f64, name: &str) -> Result<[f64; 3], String> {
         None => return Err(format!("the {name} run never reaches the error {error:.4e}")),
     };
     let t = (error / before.error).ln() / (after.error / before.error).ln();
-    Ok([0, 1, 2].map(|i| before.paid[i] * (after.paid[i] / before.paid[i]).powf(t)))
+    Ok([0, 1, 2, 3].map(|i| before.paid[i] * (after.paid[i] / before.paid[i]).powf(t)))
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 //! the same bytes.
 
 pub mod atomic;
+pub mod book;
 pub mod compare;
 pub mod csv;
 mod error;
@@ -15,6 +16,7 @@ pub mod progress;
 pub mod pvd;
 pub mod report;
 pub mod table;
+pub mod variants;
 pub mod vtk;
 
 pub use error::OutputError;

@@ -110,6 +110,8 @@ pub struct StepRecord {
     pub solver: SolverRecord,
     /// Wall time of each phase.
     pub seconds: PhaseSeconds,
+    /// Most memory held at a time since the run began.
+    pub peak_memory_bytes: u64,
     /// Total force (x, y, z) that each support exerts, in the scenario's order.
     #[serde(serialize_with = "as_map")]
     pub reactions: Vec<(String, [f64; 3])>,
@@ -233,12 +235,15 @@ pub struct QuantityRecord {
 pub struct ExpectationRecord {
     /// Its value.
     pub value: f64,
-    /// What it should be.
+    /// What it should be; of a range the nearest value that is allowed.
     pub expected: f64,
     /// `value - expected`.
     pub deviation: f64,
     /// The largest deviation allowed.
     pub allowed: f64,
+    /// The range, if one is expected.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub between: Option<[f64; 2]>,
     /// Whether it is allowed.
     pub passed: bool,
     /// Where the expected value is from.
@@ -374,6 +379,7 @@ pub(super) mod tests {
                 total: 0.04,
                 ..PhaseSeconds::default()
             },
+            peak_memory_bytes: 1 << 23,
             reactions: vec![("zebra".to_owned(), [0.0, 1.0, f64::NAN]), ("ant".to_owned(), [1.0, 2.0, 3.0])],
             quantities: Vec::new(),
         }
@@ -421,7 +427,7 @@ pub(super) mod tests {
             (
                 "/steps/0",
                 "step cells nodes edges boundary_faces dofs free_dofs feature_edges feature_length volume selected \
-                 strain_energy max_displacement error quality solver seconds reactions quantities",
+                 strain_energy max_displacement error quality solver seconds peak_memory_bytes reactions quantities",
             ),
             (
                 "/steps/0/error",

@@ -1,9 +1,13 @@
 //! Tables for people: the steps of a run, and global against adaptive refinement in the shape of Burkhart, Hamann and
 //! Umlauf 2011, Figure 6.
 
+mod book;
 mod quantities;
+mod variants;
 
+pub use book::book;
 pub use quantities::{expectations, quantities, true_errors};
+pub use variants::variants;
 
 use super::compare::{EqualError, Ratios};
 use super::options::{Published, PublishedStep, Units};
@@ -163,10 +167,11 @@ fn equal_error(e: &EqualError) -> String {
             e.reason.as_deref().unwrap_or("no common error")
         );
     };
-    let [cells, dofs, seconds] = [e.cells, e.dofs, e.seconds].map(|r| r.map_or("-".to_owned(), |r| figures(r, 3)));
+    let [cells, dofs, seconds, memory] =
+        [e.cells, e.dofs, e.seconds, e.memory].map(|r| r.map_or("-".to_owned(), |r| figures(r, 3)));
     format!(
         "Global over adaptive at equal {} relative error ({} %)\n\
-         cells {cells}, dofs {dofs}, seconds of computing from the start {seconds} (log-log between steps)",
+         cells {cells}, dofs {dofs}, seconds of computing from the start {seconds}, memory {memory} (log-log between steps)",
         e.error_source,
         percent(error)
     )

@@ -1,10 +1,12 @@
 //! One mesh analysed: solved, its stress recovered, its error estimated.
 
+use super::look_ahead::Seen;
 use super::quantities;
 use super::resolve::Resolved;
 use super::simulate::{Plan, timed};
 use crate::adapt::{self, CellErrors};
 use crate::error::Error;
+use crate::fem::options::{Method, SolverOptions};
 use crate::fem::{self, Solution, Space};
 use crate::mesh::{TetMesh, quality};
 use crate::output::report::{ErrorRecord, MeshCounts, PhaseSeconds, SolverRecord, StepRecord};
@@ -19,7 +21,7 @@ pub(super) struct Analysed<'m> {
     free_dofs: usize,
 }
 
-/// Assembles, solves, recovers, estimates, and adds the times to `seconds`.
+/// Assembles, solves (from a guess of the displacement), recovers, estimates, and adds the times to `seconds`.
 ///
 /// # Errors
 /// [`Error::Fem`]: the model is ill-posed, or the solver failed.
@@ -28,6 +30,7 @@ pub(super) fn analyse<'m>(
     mesh: &'m TetMesh,
     problem: &Resolved,
     plan: &Plan<'_>,
+    guess: Option<&[DVec3]>,
     seconds: &mut PhaseSeconds,
 ) -> Result<Analysed<'m>, Error> {
     let phase = plan.progress.phase(format!("step {index}: assemble {} cells", mesh.tets().len()));
@@ -42,7 +45,7 @@ pub(super) fn analyse<'m>(
         Ok::<_, fem::FemError>((space, system))
     })?;
     phase.say(format!("step {index}: solve {} equations", system.free_dofs()));
-    let solved = timed(&mut seconds.solve, || fem::solve(&system, &plan.scenario.solver, None))?;
+    let solved = timed(&mut seconds.solve, || fem::solve(&system, &plan.scenario.solver, guess))?;
     phase.say(format!("step {index}: estimate the error"));
     let estimator = plan.scenario.adapt.estimator;
     let (solution, errors) = timed(&mut seconds.estimate, || {
@@ -54,6 +57,15 @@ pub(super) fn analyse<'m>(
 }
 
 impl Analysed<'_> {
+    /// What the solution says of the displacement at the nodes of a refined mesh; nothing where no solver wants to know.
+    pub(super) fn guess(&self, refined: &TetMesh, solver: &SolverOptions) -> Option<Vec<DVec3>> {
+        if solver.method == Method::Direct {
+            return None;
+        }
+        let space = Space::new(refined, self.space.element(), &[]);
+        Some(self.space.at_places(&self.solution.displacement, space.points()))
+    }
+
     /// Estimated error of the displacement in the energy norm, relative to the norm of the displacement.
     pub(super) fn relative_error(&self) -> f64 {
         self.errors.relative(self.solution.strain_energy)
@@ -64,6 +76,12 @@ impl Analysed<'_> {
     pub(super) fn largest_error(&self) -> f64 {
         let largest = self.errors.squared.iter().copied().fold(0.0, f64::max).sqrt();
         if largest == 0.0 && !self.errors.unestimated.is_empty() { f64::NAN } else { largest }
+    }
+
+    /// What looking ahead needs of it.
+    pub(super) fn seen(&self) -> Seen {
+        let cells = self.space.mesh().tets().len() as f64;
+        Seen { cells, dofs: self.dofs as f64, error: self.relative_error(), selected: 0.0 }
     }
 
     /// What is recorded of it; `unit` is the largest error of a cell at step 0.
@@ -89,6 +107,7 @@ impl Analysed<'_> {
                 nonzeros: info.nonzeros,
             },
             seconds: PhaseSeconds::default(),
+            peak_memory_bytes: 0,
             reactions: supports.map(|(s, r)| (s.name.clone(), r.to_array())).collect(),
             quantities: quantities::values(problem, self),
         }

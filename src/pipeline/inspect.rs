@@ -53,7 +53,7 @@ const MEASURES: [(&str, quality::CellMeasure); 3] = [
 pub(super) fn describe_mesh(mesh: &TetMesh, format: &str) -> String {
     let q = quality::quality(mesh);
     let (feature_edges, length) = features::feature_count_and_length(mesh);
-    let (_, parts) = topology::parts(mesh.tets());
+    let (_, parts) = mesh.connected_parts();
     let mut rows = table(&["mesh", format]);
     let mut row = |what: &str, value: String| {
         rows.add_row([what.to_owned(), value]);

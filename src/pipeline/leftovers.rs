@@ -27,15 +27,17 @@ const RUN: [&str; 9] = [
 ];
 
 /// The files of a comparison, but for its two runs.
-const COMPARISON: [&str; 4] = ["compare.txt", "error_dofs.svg", "error_seconds.svg", "compare.json"];
+const COMPARISON: [&str; 5] =
+    ["compare.txt", "error_dofs.svg", "error_seconds.svg", "error_memory.svg", "compare.json"];
 
 /// All names that are ours in a folder of results, those that mark it last: a removal that is cut off can be taken up again.
-const FILES: [&str; 11] = [
+const FILES: [&str; 12] = [
     "view.py",
     "table.txt",
     "compare.txt",
     "error_dofs.svg",
     "error_seconds.svg",
+    "error_memory.svg",
     "dihedral_angles.svg",
     "cell_errors.svg",
     "report.json",
@@ -52,7 +54,7 @@ const MARKS: [(&str, &str); 4] = [
     ("scenario.toml", " as it was run"),
 ];
 
-/// The folders of a comparison.
+/// The folders of a comparison of strategies.
 const FOLDERS: [&str; 2] = ["global", "adaptive"];
 
 /// Makes room for a run in a folder: removes the files of an earlier run or comparison, and a comparison's folders if they
@@ -65,7 +67,7 @@ const FOLDERS: [&str; 2] = ["global", "adaptive"];
 pub(super) fn for_run(folder: &Path, scenario: &Scenario) -> Result<(), OutputError> {
     let mut old = Old::default();
     old.take(folder, &run_files(scenario), scenario)?;
-    for folder in FOLDERS.map(|name| folder.join(name)) {
+    for folder in contestants(folder).iter().map(|name| folder.join(name)) {
         let files = ours(&folder, scenario)?;
         if !folder.is_symlink() && !files.is_empty() && entries(&folder)?.len() == files.len() {
             old.files.extend(files);
@@ -75,17 +77,32 @@ pub(super) fn for_run(folder: &Path, scenario: &Scenario) -> Result<(), OutputEr
     old.remove(scenario)
 }
 
-/// Makes room for a comparison and its two runs.
+/// Makes room for a comparison and its runs, of these names.
 ///
 /// # Errors
 /// As [`for_run`].
-pub(super) fn for_comparison(folder: &Path, scenario: &Scenario) -> Result<(), OutputError> {
+pub(super) fn for_comparison(folder: &Path, names: &[&str], scenario: &Scenario) -> Result<(), OutputError> {
     let mut old = Old::default();
     old.take(folder, &COMPARISON.map(str::to_owned), scenario)?;
-    for name in FOLDERS {
+    for name in names {
         old.take(&folder.join(name), &run_files(scenario), scenario)?;
     }
     old.remove(scenario)
+}
+
+/// The folders of the runs of an earlier comparison.
+fn contestants(folder: &Path) -> Vec<String> {
+    let text = fs::read_to_string(folder.join("compare.json")).unwrap_or_default();
+    let listed = serde_json::from_str::<serde_json::Value>(&text).ok();
+    let variants = listed.iter().filter_map(|json| json["variants"].as_array()).flatten();
+    let names = variants.filter_map(|v| v["name"].as_str()).filter(|name| is_name(name)).map(str::to_owned);
+    FOLDERS.into_iter().map(str::to_owned).chain(names).collect()
+}
+
+/// Whether a name can be that of a folder of a comparison.
+pub(super) fn is_name(name: &str) -> bool {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_+".contains(c);
+    !name.is_empty() && name.chars().all(plain)
 }
 
 /// Whether two paths lead to one file.

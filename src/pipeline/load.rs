@@ -1,7 +1,8 @@
 //! From a scenario's `[mesh]` to a mesh.
 
+use crate::mesh::generate::{self, Curved};
 use crate::mesh::read::{Edges, MeshFile, read_with};
-use crate::mesh::{MeshError, TetMesh, generate};
+use crate::mesh::{MeshError, TetMesh};
 use crate::scenario::{MeshSource, Midside, Scenario, Shape};
 use std::io::{Error as IoError, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -23,14 +24,26 @@ pub fn load(scenario: &Scenario) -> Result<MeshFile, MeshError> {
             read_with(&find(file, &scenario.directory)?, edges)
         }
         MeshSource::Box { size, cells } => {
-            Ok(made(generate::box_tets(*size, *cells).map_err(|e| of_key("box", e))?, "generated box"))
+            let mesh = generate::box_tets(*size, *cells).map_err(|e| of_key("box", e))?;
+            Ok(made(straight(mesh), "generated box"))
         }
-        MeshSource::Shape(shape) => Ok(made(generated(*shape).map_err(|e| of_key(shape.key(), e))?, "generated")),
+        MeshSource::Shape(shape) => {
+            let body = generated(*shape).and_then(|body| match scenario.midside {
+                Midside::Straight => Ok(straight(body.mesh)),
+                Midside::Curved => body.unfolded(),
+            });
+            Ok(made(body.map_err(|e| of_key(shape.key(), e))?, "generated"))
+        }
     }
 }
 
-fn made(mesh: TetMesh, format: &'static str) -> MeshFile {
-    MeshFile { mesh, format, midsides: Vec::new(), notes: Vec::new(), inner_groups: Vec::new() }
+fn straight(mesh: TetMesh) -> Curved {
+    Curved { mesh, midsides: Vec::new() }
+}
+
+fn made(body: Curved, format: &'static str) -> MeshFile {
+    let Curved { mesh, midsides } = body;
+    MeshFile { mesh, format, midsides, notes: Vec::new(), inner_groups: Vec::new() }
 }
 
 /// The error of a generator, with the key of `[mesh]` that asked for it.
@@ -41,18 +54,18 @@ fn of_key(key: &str, error: MeshError) -> MeshError {
     }
 }
 
-fn generated(shape: Shape) -> Result<TetMesh, MeshError> {
+fn generated(shape: Shape) -> Result<Curved, MeshError> {
     match shape {
-        Shape::LPrism(cells) => generate::l_prism(cells),
-        Shape::Fichera(cells) => generate::fichera(cells),
+        Shape::LPrism(cells) => generate::l_prism(cells).map(straight),
+        Shape::Fichera(cells) => generate::fichera(cells).map(straight),
         Shape::Cylinder { radius, length, cells } => generate::cylinder(radius, length, cells),
-        Shape::Tube { radii, length, cells } => generate::tube(radii, length, cells),
+        Shape::Tube { radii, length, cells, is_quarter } => generate::tube(radii, length, cells, is_quarter),
         Shape::SphereShell { radii, cells } => generate::sphere_shell(radii, cells),
         Shape::PlateWithHole { radius, size, thickness, cells } => {
             generate::plate_with_hole(radius, size, thickness, cells)
         }
         Shape::Le10 { cells } => generate::le10(cells),
-        Shape::Prism { sides, radius, length, cells } => generate::prism(sides, radius, length, cells),
+        Shape::Prism { sides, radius, length, cells } => generate::prism(sides, radius, length, cells).map(straight),
     }
 }
 

@@ -12,7 +12,9 @@ pub mod inspect;
 mod leftovers;
 pub mod load;
 mod loading;
+mod look_ahead;
 mod model_error;
+mod passes;
 mod quantities;
 pub mod resolve;
 mod results;
@@ -20,6 +22,8 @@ pub mod run;
 pub mod select;
 mod simulate;
 pub mod subdivide;
+pub mod variants;
+pub mod verify;
 
 pub use model_error::ModelError;
 

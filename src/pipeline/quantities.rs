@@ -9,9 +9,12 @@ use crate::fem::{self, State, SymTensor};
 use crate::mesh::locate::Locator;
 use crate::mesh::{RegionId, TetMesh};
 use crate::output::csv::write_csv;
-use crate::output::report::{ExpectationRecord, QuantityRecord, Report};
+use crate::output::report::{ExpectationRecord, QuantityRecord, Report, StepRecord};
 use crate::output::table::short;
-use crate::scenario::{Cells, Exact, Extent, Material, Probe, Quantity, QuantityKind, Scenario, suggest};
+use crate::scenario::{
+    Bound, Cells, Exact, Expectation, Extent, Figure, Material, Probe, Quantity, QuantityKind, Scenario, Subject,
+    suggest,
+};
 use glam::DVec3;
 use std::cell::LazyCell;
 use std::path::Path;
@@ -121,6 +124,9 @@ fn body(solution: ExactSolution) -> &'static str {
         ExactSolution::SmoothCube => "the unit cube from 0 to 1, such as mesh.box with size = [1, 1, 1]",
         ExactSolution::LameSphere => "an eighth of a sphere, mesh.sphere-shell with radii = [1, 2]",
         ExactSolution::Kirsch => "a quarter of a plate, mesh.plate-with-hole with radius = 1 and size = 4",
+        ExactSolution::LameCylinder => "a quarter of a tube, mesh.tube with radii = [1, 2] and quarter = true",
+        ExactSolution::Timoshenko => "a beam, mesh.box with size = [8, 2, any]",
+        ExactSolution::QuadraticPatch => "any body",
         ExactSolution::LPrism => "the L-prism [-1, 1]^2 x [0, 1] without its quarter x, y < 0, mesh.l-prism",
     }
 }
@@ -231,25 +237,34 @@ pub(super) fn write_probes(
     Ok(())
 }
 
-/// The quantities of the last step beside what is expected of them.
-pub(super) fn expectations(
-    scenario: &Scenario,
-    quantities: &[(String, QuantityRecord)],
-) -> Vec<(String, ExpectationRecord)> {
-    let compare = |e: &crate::scenario::Expectation| {
-        let (_, found) = quantities.iter().find(|(name, _)| *name == e.quantity)?;
-        let (deviation, allowed) = (found.value - e.value, e.tolerance.distance(e.value));
-        let record = ExpectationRecord {
-            value: found.value,
-            expected: e.value,
-            deviation,
-            allowed,
-            passed: deviation.abs() <= allowed,
-            source: e.source.clone(),
+/// What is expected of a step beside what came out.
+pub(super) fn expectations(scenario: &Scenario, step: &StepRecord) -> Vec<(String, ExpectationRecord)> {
+    let compare = |e: &Expectation| {
+        let value = value_of(&e.subject, step);
+        // The nearest value that is allowed.
+        let (expected, allowed, between) = match e.bound {
+            Bound::Near(expected, tolerance) => (expected, tolerance.distance(expected), None),
+            Bound::Between(low, high) => (value.max(low).min(high), 0.0, Some([low, high])),
         };
-        Some((e.quantity.clone(), record))
+        let deviation = value - expected;
+        let passed = deviation.abs() <= allowed;
+        let record =
+            ExpectationRecord { value, expected, deviation, allowed, between, passed, source: e.source.clone() };
+        (e.subject.name().to_owned(), record)
     };
-    scenario.expectations.iter().filter_map(compare).collect()
+    scenario.expectations.iter().map(compare).collect()
+}
+
+/// A number of a step; NaN if the step does not have it.
+fn value_of(subject: &Subject, step: &StepRecord) -> f64 {
+    let value = match subject {
+        Subject::Quantity(name) => step.quantities.iter().find(|(n, _)| n == name).map(|(_, q)| q.value),
+        Subject::Figure(Figure::StrainEnergy) => Some(step.strain_energy),
+        Subject::Figure(Figure::RelativeError) => Some(step.error.relative),
+        Subject::Figure(Figure::TrueRelativeError) => step.error.true_relative,
+        Subject::Figure(Figure::Effectivity) => step.error.effectivity,
+    };
+    value.unwrap_or(f64::NAN)
 }
 
 /// The error to end with if an expectation failed.
@@ -258,7 +273,11 @@ pub(super) fn failed_expectations(report: &Report) -> Option<Error> {
     let sentence = |(name, e): &(String, ExpectationRecord)| {
         let source = e.source.as_ref().map_or(String::new(), |s| format!(" ({s})"));
         let [value, expected, allowed] = [(e.value, 12), (e.expected, 12), (e.allowed, 6)].map(|(x, n)| short(x, n));
-        format!("{name} is {value}, expected {expected} within {allowed}{source}")
+        let wanted = match e.between {
+            Some([low, high]) => format!("{} to {}", short(low, 12), short(high, 12)),
+            None => format!("{expected} within {allowed}"),
+        };
+        format!("{name} is {value}, expected {wanted}{source}")
     };
     let sentences: Vec<String> = failed.map(sentence).collect();
     (!sentences.is_empty()).then(|| Error::Unexpected { sentences: sentences.join("; ") })

@@ -141,7 +141,7 @@ pub(super) fn write_text(path: &Path, text: &str) -> Result<(), Error> {
 }
 
 /// The way from a folder to a file: relative if they have more in common than the root, else absolute.
-fn relative(file: &Path, folder: &Path) -> PathBuf {
+pub(super) fn relative(file: &Path, folder: &Path) -> PathBuf {
     let (Ok(file), Ok(folder)) = (file.canonicalize(), folder.canonicalize()) else { return file.to_owned() };
     let common = file.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
     if common < 2 {

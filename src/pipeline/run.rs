@@ -10,6 +10,7 @@ use super::{RunOptions, load::load, print, wrapped};
 use crate::error::Error;
 use crate::fem::options::Element;
 use crate::output::atomic::ensure_writable_dir;
+use crate::output::compare::{TRUE, error_source};
 use crate::output::plot::{Axis, error_curves};
 use crate::output::progress::Progress;
 use crate::output::report::{Report, StopReason, write_json};
@@ -23,6 +24,15 @@ use std::path::Path;
 /// [`Error`] with its exit code; after everything is written, [`Error::Unexpected`] if a quantity is not what the scenario
 /// expects, and [`Error::ToleranceNotReached`] if it asks for an error that was not reached.
 pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<Report, Error> {
+    let report = execute(scenario, options)?;
+    match failure(scenario, &report) {
+        Some(error) => Err(error),
+        None => Ok(report),
+    }
+}
+
+/// Runs a scenario and writes its results, whatever it expects of them.
+pub(super) fn execute(scenario: &Scenario, options: &RunOptions) -> Result<Report, Error> {
     let problem = prepare(scenario, options)?;
     let folder = options.folder(scenario);
     ensure_writable_dir(&folder)?;
@@ -50,10 +60,7 @@ pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<Report, Error> {
         let ending = ending(scenario, plan.strategy, &report);
         print(&format!("{text}\n{}{ending}\nresults in {}\n", warnings("", &report), folder.display()))?;
     }
-    match failure(scenario, &report) {
-        Some(error) => Err(error),
-        None => Ok(report),
-    }
+    Ok(report)
 }
 
 /// The warning of a run that refines a mesh with curved edges.
@@ -94,23 +101,36 @@ pub(super) fn warnings(run: &str, report: &Report) -> String {
     report.warnings.iter().map(|w| wrapped(&format!("warning: {run}{w}"))).collect()
 }
 
-/// Plots the relative error against dofs and against seconds.
+/// Plots the relative error, the true one where it is known of all runs, against dofs and seconds, and that of several runs
+/// against memory too.
 pub(super) fn plot_curves(folder: &Path, element: Element, runs: &[(&str, &Report)]) -> Result<(), Error> {
     let degree = match element {
         Element::Tet4 => 1,
         Element::Tet10 => 2,
     };
+    let source = error_source(runs.iter().map(|(_, report)| *report));
     let curve = |(name, report): &(&str, &Report), axis: Axis| {
         let mut spent = 0.0;
         let points = report.steps.iter().map(|s| {
             spent += s.seconds.computing();
-            (if axis == Axis::Dofs(degree) { s.free_dofs as f64 } else { spent }, s.error.relative)
+            let paid = match axis {
+                Axis::Dofs(_) => s.free_dofs as f64,
+                Axis::Seconds => spent,
+                Axis::Memory => s.peak_memory_bytes as f64 / 1e6,
+            };
+            (paid, s.error.true_relative.filter(|_| source == TRUE).unwrap_or(s.error.relative))
         });
         ((*name).to_owned(), points.collect())
     };
-    for (axis, file) in [(Axis::Dofs(degree), "error_dofs.svg"), (Axis::Seconds, "error_seconds.svg")] {
+    let plots = [
+        (Axis::Dofs(degree), "error_dofs.svg"),
+        (Axis::Seconds, "error_seconds.svg"),
+        (Axis::Memory, "error_memory.svg"),
+    ];
+    let wanted = if runs.len() > 1 { plots.len() } else { 2 };
+    for (axis, file) in plots.into_iter().take(wanted) {
         let curves: Vec<(String, Vec<(f64, f64)>)> = runs.iter().map(|run| curve(run, axis)).collect();
-        error_curves(&folder.join(file), axis, &curves)?;
+        error_curves(&folder.join(file), axis, source, &curves)?;
     }
     Ok(())
 }

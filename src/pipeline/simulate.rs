@@ -4,15 +4,17 @@ use super::MemoryProbe;
 use super::analyse::{Analysed, analyse};
 use super::doubts;
 use super::forecast;
+use super::look_ahead::{self, Seen};
 use super::quantities;
 use super::resolve::Resolved;
 use crate::adapt;
+use crate::adapt::options::Marking;
 use crate::error::Error;
 use crate::mesh::TetMesh;
 use crate::output::progress::Progress;
 use crate::output::report::{PROGRAM, PhaseSeconds, Report, SCHEMA, StepRecord, StopReason};
 use crate::scenario::{Scenario, Strategy};
-use crate::subdiv::{self, History};
+use crate::subdiv::{self, History, Weights};
 use std::time::Instant;
 
 /// What the loop needs besides the problem.
@@ -49,20 +51,21 @@ pub(super) fn simulate(
     let start = Instant::now();
     let (mut mesh, mut history) = (problem.mesh.clone(), History::default());
     let (mut steps, mut warnings) = (Vec::new(), Vec::new());
-    let (mut refine_seconds, mut largest_error) = (0.0, None);
+    let (mut refine_seconds, mut largest_error, mut guess) = (0.0, None, None);
     let stop_reason = loop {
         let index = steps.len();
         let mut seconds = PhaseSeconds { refine: refine_seconds, ..PhaseSeconds::default() };
-        let analysed = analyse(index, &mesh, problem, plan, &mut seconds)?;
+        let analysed = analyse(index, &mesh, problem, plan, guess.as_deref(), &mut seconds)?;
         let unit = *largest_error.get_or_insert_with(|| analysed.largest_error());
 
         let reached = reason_to_stop(plan, index, &mesh, &analysed, start);
-        let selected = timed(&mut seconds.mark, || select(&mesh, &analysed, plan, reached))?;
+        let selected = timed(&mut seconds.mark, || select(&mesh, &analysed, plan, reached, steps.last()))?;
         let stop = reached.or_else(|| reason_not_to_refine(plan, &selected, &analysed, &mut warnings));
 
         let step = Step { index, mesh: &mesh, analysed: &analysed, selected: &selected };
         timed(&mut seconds.write, || observe(&step))?;
-        let record = record(&step, problem, seconds, unit);
+        let record =
+            StepRecord { peak_memory_bytes: (plan.memory.peak)() as u64, ..record(&step, problem, seconds, unit) };
         warnings.extend(doubts::about(&step, steps.last(), &record));
         steps.push(record);
         if let Some(reason) = stop {
@@ -71,11 +74,13 @@ pub(super) fn simulate(
         let _phase = plan.progress.phase(format!("step {}: refine", index + 1));
         refine_seconds = 0.0;
         let input = problem.mesh.points().len();
-        (mesh, history) = timed(&mut refine_seconds, || refine(&step, &history, plan, input))?;
+        let next = timed(&mut refine_seconds, || refine(&step, &history, plan, input))?;
+        guess = timed(&mut refine_seconds, || analysed.guess(&next.0, &plan.scenario.solver));
+        (mesh, history) = next;
     };
-    let last = steps.last().map_or(&[][..], |s: &StepRecord| &s.quantities);
+    let expectations = steps.last().map(|last| quantities::expectations(plan.scenario, last));
     Ok(Report {
-        expectations: quantities::expectations(plan.scenario, last),
+        expectations: expectations.unwrap_or_default(),
         schema: SCHEMA,
         program: PROGRAM.to_owned(),
         scenario: plan.scenario.path.display().to_string(),
@@ -98,8 +103,14 @@ fn refine(step: &Step<'_>, history: &History, plan: &Plan<'_>, input: usize) -> 
     if !options.optimise.ends_in_error() {
         return Ok((refined.mesh, refined.history));
     }
-    let weights = subdiv::vertex_weights(step.mesh, &step.analysed.errors.squared);
-    let weights = subdiv::carry_over(&weights, &refined.transfer);
+    let (space, solution, errors) = (&step.analysed.space, &step.analysed.solution, &step.analysed.errors);
+    let weights = if options.optimise.directions {
+        let moments = errors.second_moments(space, &solution.displacement);
+        Weights::directions(step.mesh, &moments, &errors.squared)
+    } else {
+        Weights::factors(step.mesh, &errors.squared)
+    };
+    let weights = weights.carried_over(&refined.transfer);
     // What global refinement added stays, worth its price or not: it is asked for everywhere.
     let first = if plan.strategy == Strategy::Global { refined.mesh.points().len() } else { input };
     let optimised = subdiv::optimise_error(&refined.mesh, &weights, options.optimise.passes, first)?;
@@ -162,6 +173,7 @@ fn select(
     analysed: &Analysed<'_>,
     plan: &Plan<'_>,
     reached: Option<StopReason>,
+    before: Option<&StepRecord>,
 ) -> Result<Vec<bool>, Error> {
     let count = mesh.tets().len();
     match plan.strategy {
@@ -170,8 +182,27 @@ fn select(
         Strategy::Global => Ok(vec![true; count]),
         Strategy::Adaptive => {
             let marked = adapt::mark(&analysed.errors, plan.scenario.adapt.marking)?;
+            let marked = match (plan.scenario.adapt.marking, plan.scenario.refine.stop.relative_error) {
+                (Marking::LookAhead(_), Some(tolerance)) => {
+                    let most = marked.iter().filter(|m| **m).count() as f64;
+                    let now = analysed.seen();
+                    let fewer = look_ahead::marking(plan.scenario, tolerance, most, now, before.map(seen));
+                    adapt::mark(&analysed.errors, fewer)?
+                }
+                _ => marked,
+            };
             Ok(adapt::grow(mesh, marked, plan.scenario.adapt.grow))
         }
+    }
+}
+
+/// What looking ahead needs of a step.
+fn seen(step: &StepRecord) -> Seen {
+    Seen {
+        cells: step.mesh.cells as f64,
+        dofs: step.dofs as f64,
+        error: step.error.relative,
+        selected: step.selected as f64,
     }
 }
 

@@ -11,7 +11,7 @@ use crate::subdiv::options::{Boundary, Mode, Objective, Optimise, QualityMeasure
 use std::ops::Range;
 
 /// Most refinement steps a scenario may ask for.
-const MAX_STEPS: i64 = 20;
+pub const MAX_STEPS: i64 = 20;
 
 /// Most cells a generated box may have before each is cut into tetrahedra.
 const MAX_BOX_CELLS: usize = 100_000_000;
@@ -23,16 +23,20 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
     let materials = materials(raw.materials.unwrap_or_default(), &place)?;
     let supports = actions::supports(raw.supports.unwrap_or_default(), raw.exact.is_some(), &place)?;
     let names: Vec<&str> = supports.iter().map(|s| s.name.as_str()).collect();
+    let known = raw.exact.is_some();
     let quantities = wanted::quantities(raw.quantities.unwrap_or_default(), &names, &place)?;
     let element = raw.analysis.and_then(|t| t.value.element).unwrap_or_default();
     warnings.extend(locking(&materials, element));
     let midside = midside(raw.mesh.as_ref(), element)?;
+    let refine = refine(raw.refine.map(|t| t.value), &mut warnings)?;
+    let asked = refine.stop.relative_error.is_some();
     Ok(Scenario {
         path: PathBuf::new(),
         directory: PathBuf::new(),
         document: toml::Table::new(),
         overrides: Vec::new(),
         title: raw.title.unwrap_or_default(),
+        description: raw.description.unwrap_or_default(),
         mesh: mesh(raw.mesh)?,
         features: features(raw.features)?,
         materials,
@@ -40,12 +44,12 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
         loads: actions::loads(raw.loads.unwrap_or_default(), &place)?,
         probes: wanted::probes(raw.probes.unwrap_or_default(), &place)?,
         exact: raw.exact.map(|t| wanted::exact(t, &place)).transpose()?,
-        expectations: wanted::expectations(raw.expect.unwrap_or_default(), &quantities)?,
+        expectations: wanted::expectations(raw.expect.unwrap_or_default(), &quantities, known)?,
         quantities,
-        refine: refine(raw.refine.map(|t| t.value), &mut warnings)?,
+        refine,
         midside,
         element,
-        adapt: adapt(raw.adapt.map(|t| t.value).unwrap_or_default())?,
+        adapt: adapt(raw.adapt.map(|t| t.value).unwrap_or_default(), asked)?,
         solver: solver(raw.solver.map(|t| t.value).unwrap_or_default())?,
         output: output(&raw.output.map(|t| t.value).unwrap_or_default()),
         published: raw.published.map(|t| published(t.value)).transpose()?,
@@ -59,7 +63,7 @@ fn midside(mesh: Option<&Table<RawMesh>>, element: Element) -> Checked<Midside> 
     let Some(midside) = mesh.and_then(|m| m.value.midside.as_ref()) else { return Ok(Midside::default()) };
     if *midside.get_ref() == Midside::Curved && element == Element::Tet4 {
         let fault = Fault::new(midside.span(), "curves the edges of ten-node elements only", "without these");
-        return Err(fault.help("add\n[analysis]\nelement = \"tet10\""));
+        return Err(fault.help("leave out analysis.element = \"tet4\""));
     }
     Ok(*midside.get_ref())
 }
@@ -75,8 +79,8 @@ fn mesh(raw: Option<Table<RawMesh>>) -> Checked<MeshSource> {
             return Err(shapes::one_too_many(span));
         }
         return match value.midside {
-            Some(midside) => Err(Fault::new(midside.span(), "goes with mesh.file only", "remove this")),
-            None => Ok(MeshSource::Shape(shape)),
+            Some(midside) if !shape.is_curved() => Err(needless(&midside)),
+            _ => Ok(MeshSource::Shape(shape)),
         };
     }
     match (value.file, value.brick) {
@@ -85,10 +89,15 @@ fn mesh(raw: Option<Table<RawMesh>>) -> Checked<MeshSource> {
         (None, None) => Err(Fault::new(span, "names no mesh", "which mesh?").help(help)),
         (Some(file), None) => Ok(MeshSource::File(PathBuf::from(file.into_inner()))),
         (None, Some(brick)) => match value.midside {
-            Some(midside) => Err(Fault::new(midside.span(), "goes with mesh.file only", "remove this")),
+            Some(midside) => Err(needless(&midside)),
             None => self::brick(&brick.value),
         },
     }
+}
+
+/// The fault of `midside` beside a body whose edges are all straight.
+fn needless(midside: &Spanned<Midside>) -> Fault {
+    Fault::new(midside.span(), "goes with mesh.file and generated bodies with curved sides", "remove this")
 }
 
 fn brick(raw: &RawBrick) -> Checked<MeshSource> {
@@ -220,9 +229,14 @@ fn optimise(raw: &RawOptimise) -> Checked<Optimise> {
         return Err(Fault::new(written.span(), "is a measure for the published operations", "not in mode \"best\"")
             .help("set refine.optimise.mode = \"paper\", or leave the measure out"));
     }
+    let objective = raw.objective.unwrap_or(Objective::Error);
+    if let Some(written) = raw.directions.as_ref().filter(|_| (mode, objective) != (Mode::Best, Objective::Error)) {
+        return Err(Fault::new(written.span(), "is for the objective \"error\" in mode \"best\"", "remove this"));
+    }
     Ok(Optimise {
         mode,
-        objective: raw.objective.unwrap_or(Objective::Error),
+        objective,
+        directions: raw.directions.as_ref().is_none_or(|d| *d.get_ref()),
         measure,
         passes,
         target_angle: raw.target_angle.as_ref().map(angle).transpose()?.unwrap_or(default.target_angle),
@@ -258,7 +272,12 @@ fn stop(raw: &RawStop) -> Checked<Stop> {
     })
 }
 
-fn adapt(raw: RawAdapt) -> Checked<Adapt> {
+/// `asked`: whether there is a tolerance to look ahead to.
+fn adapt(raw: RawAdapt, asked: bool) -> Checked<Adapt> {
+    if let Some(written) = raw.marking.as_ref().and_then(|t| t.value.look_ahead.as_ref()).filter(|_| !asked) {
+        return Err(Fault::new(written.span(), "looks ahead to a tolerance, but none is asked for", "to which error?")
+            .help("set refine.stop.relative_error, or mark by { doerfler = 0.5 }"));
+    }
     Ok(Adapt {
         estimator: raw.estimator.unwrap_or(Estimator::Spr),
         marking: raw.marking.map(|t| marking(&t)).transpose()?.unwrap_or(Marking::Doerfler(0.5)),
@@ -268,16 +287,17 @@ fn adapt(raw: RawAdapt) -> Checked<Adapt> {
 
 fn marking(Table { span, value: raw }: &Table<RawMarking>) -> Checked<Marking> {
     let fraction = |x: &Number| within(x, "above 0 and at most 1", |x| x > 0.0 && x <= 1.0);
-    let given = [&raw.doerfler, &raw.maximum, &raw.fraction, &raw.threshold];
+    let given = [&raw.doerfler, &raw.maximum, &raw.fraction, &raw.threshold, &raw.look_ahead];
     match given {
-        [Some(x), None, None, None] => fraction(x).map(Marking::Doerfler),
-        [None, Some(x), None, None] => fraction(x).map(Marking::Maximum),
-        [None, None, Some(x), None] => fraction(x).map(Marking::Fraction),
-        [None, None, None, Some(x)] => positive(x).map(Marking::Threshold),
+        [Some(x), None, None, None, None] => fraction(x).map(Marking::Doerfler),
+        [None, Some(x), None, None, None] => fraction(x).map(Marking::Maximum),
+        [None, None, Some(x), None, None] => fraction(x).map(Marking::Fraction),
+        [None, None, None, Some(x), None] => positive(x).map(Marking::Threshold),
+        [None, None, None, None, Some(x)] => fraction(x).map(Marking::LookAhead),
         _ => {
             let count = given.into_iter().flatten().count();
             Err(Fault::new(span.clone(), format!("names {count} markings, but must name one"), "exactly one")
-                .help("one of { doerfler = 0.5 }, { maximum = 0.5 }, { fraction = 0.1 }, { threshold = 1e-3 }"))
+                .help("one of { doerfler = 0.5 }, { maximum = 0.5 }, { fraction = 0.1 }, { threshold = 1e-3 }, { look_ahead = 0.8 }"))
         }
     }
 }

@@ -17,10 +17,11 @@ mod translate;
 mod wanted;
 
 pub use actions::{Load, LoadKind, Support};
+pub use check::MAX_STEPS;
 pub use error::{Invalid, ScenarioError};
 pub use selector::Selector;
 pub use shapes::Shape;
-pub use wanted::{Cells, Exact, Expectation, Extent, Probe, Quantity, QuantityKind, Tolerance};
+pub use wanted::{Bound, Cells, Exact, Expectation, Extent, Figure, Probe, Quantity, QuantityKind, Subject, Tolerance};
 
 use crate::adapt::options::{Estimator, Marking};
 use crate::fem::options::{Element, SolverOptions};
@@ -42,6 +43,8 @@ pub struct Scenario {
     pub overrides: Vec<String>,
     /// `title`; the file's name without `.toml` if absent.
     pub title: String,
+    /// `description`; empty if absent.
+    pub description: String,
     /// `[mesh]`.
     pub mesh: MeshSource,
     /// `[features]`.

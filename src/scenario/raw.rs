@@ -61,6 +61,7 @@ pub(super) type Named<T> = BTreeMap<String, Table<T>>;
 #[schemars(title = "Scenario of Subsolid")]
 pub(super) struct RawScenario {
     pub title: Option<String>,
+    pub description: Option<String>,
     pub mesh: Option<Table<RawMesh>>,
     pub features: Option<Table<RawFeatures>>,
     pub materials: Option<Named<RawMaterial>>,
@@ -285,6 +286,7 @@ pub(super) struct RawRefine {
 pub(super) struct RawOptimise {
     pub mode: Option<Mode>,
     pub objective: Option<Objective>,
+    pub directions: Option<Spanned<bool>>,
     pub measure: Option<Spanned<QualityMeasure>>,
     pub passes: Option<Integer>,
     pub target_angle: Option<Number>,
@@ -374,6 +376,7 @@ pub(super) struct RawMarking {
     pub maximum: Option<Number>,
     pub fraction: Option<Number>,
     pub threshold: Option<Number>,
+    pub look_ahead: Option<Number>,
 }
 
 #[derive(Debug, Default, Deserialize, JsonSchema)]

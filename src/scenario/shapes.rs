@@ -35,6 +35,8 @@ pub enum Shape {
         length: f64,
         /// Through the wall, around, along.
         cells: [usize; 3],
+        /// Whether only the quarter in x, y >= 0 is made.
+        is_quarter: bool,
     },
     /// An eighth of a spherical shell.
     SphereShell {
@@ -87,6 +89,12 @@ impl Shape {
             Self::Prism { .. } => "prism",
         }
     }
+
+    /// Whether it has curved sides.
+    #[must_use]
+    pub fn is_curved(&self) -> bool {
+        !matches!(self, Self::LPrism(_) | Self::Fichera(_) | Self::Prism { .. })
+    }
 }
 
 #[derive(Debug, Deserialize, JsonSchema)]
@@ -109,6 +117,7 @@ pub(super) struct RawTube {
     radii: Spanned<Vec<f64>>,
     length: Number,
     cells: Spanned<Vec<i64>>,
+    quarter: Option<bool>,
 }
 
 #[derive(Debug, Deserialize, JsonSchema)]
@@ -168,14 +177,15 @@ fn cylinder(raw: &RawCylinder) -> Checked<Shape> {
 
 fn tube(raw: &RawTube) -> Checked<Shape> {
     let (radii, length, cells) = (radii(&raw.radii)?, positive(&raw.length)?, cells(&raw.cells)?);
-    if cells[1] < 3 {
+    let is_quarter = raw.quarter.unwrap_or(false);
+    if cells[1] < 3 && !is_quarter {
         return Err(outside(
             raw.cells.span(),
             &format!("{cells:?}"),
             "three cells around the tube at least (the second)",
         ));
     }
-    Ok(Shape::Tube { radii, length, cells })
+    Ok(Shape::Tube { radii, length, cells, is_quarter })
 }
 
 fn shell(raw: &RawShell) -> Checked<Shape> {

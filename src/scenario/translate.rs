@@ -76,9 +76,6 @@ fn unknown_value(span: Range<usize>, key: &str, given: &str, accepted: &[&str]) 
 
 fn missing(span: Range<usize>, key: &str, name: &str) -> Fault {
     let fault = Fault::new(span, format!("lacks `{name}`"), format!("`{name}` is missing here"));
-    if name == "tolerance" {
-        return fault.help(TOLERANCE);
-    }
     // `cells` is a key of two tables.
     let fits = |example: &str| key.starts_with("published") == example.starts_with("source");
     match EXAMPLES.iter().find(|(names, example)| names.contains(&name) && fits(example)) {

@@ -1,7 +1,7 @@
 //! What is asked of a solution: quantities, probes, and what they are expected to be.
 
 use super::error::Fault;
-use super::numbers::{Checked, finite, integer, positive, vector};
+use super::numbers::{Checked, finite, integer, outside, positive, vector};
 use super::raw::{Integer, Named, Number, RawExact, RawQuantity, Table, Text, Vector};
 use super::selector::{Selector, at_most_one, brick_corners};
 use super::spanned::Spanned;
@@ -88,14 +88,74 @@ pub struct Exact {
 /// What a quantity is expected to be at the last step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Expectation {
-    /// The quantity, which exists.
-    pub quantity: String,
-    /// Its value.
-    pub value: f64,
-    /// How far from it is well.
-    pub tolerance: Tolerance,
-    /// Where the value is from.
+    /// The quantity, which exists, or a figure that every run has.
+    pub subject: Subject,
+    /// What it has to be.
+    pub bound: Bound,
+    /// Where that is from.
     pub source: Option<String>,
+}
+
+/// Of what something is expected.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Subject {
+    /// A quantity of the scenario, which exists.
+    Quantity(String),
+    /// A figure of the run.
+    Figure(Figure),
+}
+
+impl Subject {
+    /// The name of its table in `[expect]`.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Quantity(name) => name,
+            Self::Figure(figure) => figure.name(),
+        }
+    }
+}
+
+/// A figure of a run that can be expected without being asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Figure {
+    /// Half of u.K.u.
+    StrainEnergy,
+    /// The estimated relative error in the energy norm.
+    RelativeError,
+    /// The true one, where the solution is known.
+    TrueRelativeError,
+    /// The estimated over the true error, where the solution is known.
+    Effectivity,
+}
+
+impl Figure {
+    const ALL: [Self; 4] = [Self::StrainEnergy, Self::RelativeError, Self::TrueRelativeError, Self::Effectivity];
+
+    /// The name of its table in `[expect]`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::StrainEnergy => "strain-energy",
+            Self::RelativeError => "relative-error",
+            Self::TrueRelativeError => "true-relative-error",
+            Self::Effectivity => "effectivity",
+        }
+    }
+
+    /// Whether only a run with a known solution has it.
+    fn needs_exact(self) -> bool {
+        matches!(self, Self::TrueRelativeError | Self::Effectivity)
+    }
+}
+
+/// What a number has to be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Bound {
+    /// A value, within a tolerance.
+    Near(f64, Tolerance),
+    /// From one number to another.
+    Between(f64, f64),
 }
 
 /// How far from a value is well.
@@ -130,8 +190,9 @@ pub(super) struct RawProbe {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawExpectation {
-    value: Number,
-    tolerance: Table<RawTolerance>,
+    value: Option<Number>,
+    tolerance: Option<Table<RawTolerance>>,
+    between: Option<Spanned<Vec<f64>>>,
     source: Option<String>,
 }
 
@@ -275,31 +336,70 @@ pub(super) fn probes(raw: Named<RawProbe>, place: Place) -> Checked<Vec<Probe>> 
     raw.into_iter().map(one).collect()
 }
 
-/// Checks `[expect]`; each table bears the name of a quantity.
-pub(super) fn expectations(raw: Named<RawExpectation>, quantities: &[Quantity]) -> Checked<Vec<Expectation>> {
-    let names: Vec<&str> = quantities.iter().map(|q| q.name.as_str()).collect();
-    let one = |(quantity, Table { span, value: raw }): (String, Table<RawExpectation>)| {
-        if !names.contains(&quantity.as_str()) {
-            let help = match &names[..] {
-                [] => format!("the scenario has no quantities: add [quantities.{quantity}] ({KINDS})"),
-                names => suggest::help(&quantity, "quantities", names),
-            };
-            return Err(Fault::new(span, "is not the name of a quantity", "of which quantity?").help(help));
-        }
-        let value = finite(&raw.value)?;
-        let tolerance = match (&raw.tolerance.value.absolute, &raw.tolerance.value.relative) {
-            (Some(x), None) => Tolerance::Absolute(positive(x)?),
-            (None, Some(x)) if value == 0.0 => {
-                return Err(Fault::new(x.span(), "is relative to a value of zero", "relative to 0")
-                    .help("say tolerance = { absolute = ... }"));
-            }
-            (None, Some(x)) => Tolerance::Relative(positive(x)?),
-            _ => {
-                return Err(Fault::new(raw.tolerance.span.clone(), "must name one bound", "exactly one")
-                    .help("{ relative = 0.01 } or { absolute = 1e-3 }"));
-            }
-        };
-        Ok(Expectation { quantity, value, tolerance, source: raw.source })
+/// Checks `[expect]`; each table bears the name of a quantity, or of a figure that every run has (`known`: with a known
+/// solution).
+pub(super) fn expectations(
+    raw: Named<RawExpectation>,
+    quantities: &[Quantity],
+    known: bool,
+) -> Checked<Vec<Expectation>> {
+    let one = |(name, Table { span, value: raw }): (String, Table<RawExpectation>)| {
+        let subject = subject(name, &span, quantities, known)?;
+        Ok(Expectation { subject, bound: bound(&raw, span)?, source: raw.source })
     };
     raw.into_iter().map(one).collect()
+}
+
+/// What an expectation of this name is of.
+fn subject(name: String, span: &Range<usize>, quantities: &[Quantity], known: bool) -> Checked<Subject> {
+    if quantities.iter().any(|q| q.name == name) {
+        return Ok(Subject::Quantity(name));
+    }
+    if let Some(figure) = Figure::ALL.into_iter().find(|f| f.name() == name) {
+        if figure.needs_exact() && !known {
+            let fault = Fault::new(span.clone(), "needs a known solution", "the true error is not known");
+            return Err(fault.help("add [exact] with solution = \"...\", or expect something else"));
+        }
+        return Ok(Subject::Figure(figure));
+    }
+    let figures = Figure::ALL.map(Figure::name);
+    let names: Vec<&str> = quantities.iter().map(|q| q.name.as_str()).chain(figures).collect();
+    let help = if quantities.is_empty() {
+        let figures = figures.join(", ");
+        format!("the scenario has no quantities: add [quantities.{name}] ({KINDS}); every run has {figures}")
+    } else {
+        suggest::help(&name, "quantities", &names)
+    };
+    Err(Fault::new(span.clone(), "is not the name of a quantity", "of which quantity?").help(help))
+}
+
+/// What a number has to be: a value within a tolerance, or a range.
+fn bound(raw: &RawExpectation, span: Range<usize>) -> Checked<Bound> {
+    const FORMS: &str = "value = 1.0 with tolerance = { relative = 0.01 }, or between = [0.9, 1.1]";
+    match (&raw.value, &raw.tolerance, &raw.between) {
+        (Some(value), Some(tolerance), None) => {
+            let value = finite(value)?;
+            Ok(Bound::Near(value, self::tolerance(tolerance, value)?))
+        }
+        (None, None, Some(between)) => match between.get_ref()[..] {
+            [low, high] if low.is_finite() && high.is_finite() && low < high => Ok(Bound::Between(low, high)),
+            _ => Err(outside(between.span(), &format!("{:?}", between.get_ref()), "two numbers, the smaller first")),
+        },
+        (.., Some(between)) => {
+            Err(Fault::new(between.span(), "stands beside a value", "one of the two").help(format!("say {FORMS}")))
+        }
+        (None, ..) => Err(lacks(span, "value", FORMS)),
+        (_, None, _) => Err(lacks(span, "tolerance", "tolerance = { relative = 0.01 } or { absolute = 1e-3 }")),
+    }
+}
+
+fn tolerance(raw: &Table<RawTolerance>, value: f64) -> Checked<Tolerance> {
+    match (&raw.value.absolute, &raw.value.relative) {
+        (Some(x), None) => Ok(Tolerance::Absolute(positive(x)?)),
+        (None, Some(x)) if value == 0.0 => Err(Fault::new(x.span(), "is relative to a value of zero", "relative to 0")
+            .help("say tolerance = { absolute = ... }")),
+        (None, Some(x)) => Ok(Tolerance::Relative(positive(x)?)),
+        _ => Err(Fault::new(raw.span.clone(), "must name one bound", "exactly one")
+            .help("{ relative = 0.01 } or { absolute = 1e-3 }")),
+    }
 }

@@ -11,7 +11,7 @@ use crate::mesh::{MeshError, TetMesh, quality};
 use options::{Optimise, Options, Scheme};
 use solid::Solid;
 
-pub use improve::error::{cost as cell_cost, vertex_weights};
+pub use improve::error::{Directions, Weights, cost as cell_cost};
 pub use sqrt3::History;
 
 /// What refinement made.
@@ -157,9 +157,6 @@ pub fn refine(mesh: &TetMesh, history: &History, selected: &[bool], options: &Op
     Ok(refined)
 }
 
-/// Least weight of a vertex for the error-driven optimiser, as a share of the mean.
-const LEAST_WEIGHT: f64 = 1e-6;
-
 /// A mesh optimised for analysis.
 #[derive(Debug, Clone)]
 pub struct Optimised {
@@ -178,27 +175,17 @@ impl Optimised {
 }
 
 /// Optimises a mesh for analysis, by weighted interpolation error (see [`options::Objective::Error`]). `weights` has an
-/// entry for each vertex, such as [`vertex_weights`] gives; equal entries where nothing is known of an ungraded mesh. The
-/// vertices before number `first` stay; later ones in the interior go where they are not worth their price. The price is
-/// one for the whole mesh, so equal weights on a graded mesh would undo its grading: give its number of vertices for
+/// entry for each vertex, such as [`Weights::directions`] gives; equal entries where nothing is known of an ungraded mesh.
+/// The vertices before number `first` stay; later ones in the interior go where they are not worth their price. The price
+/// is one for the whole mesh, so equal weights on a graded mesh would undo its grading: give its number of vertices for
 /// `first` then.
 ///
 /// # Errors
 /// [`MeshError::Inconsistent`] if there is not one weight a vertex, or one is negative or not finite.
-pub fn optimise_error(mesh: &TetMesh, weights: &[f64], passes: usize, first: usize) -> Result<Optimised, MeshError> {
-    if weights.len() != mesh.points().len() {
-        let (got, want) = (weights.len(), mesh.points().len());
-        return Err(MeshError::Inconsistent(format!("{got} weights for {want} vertices")));
-    }
-    if let Some(bad) = weights.iter().find(|w| !(w.is_finite() && **w >= 0.0)) {
-        return Err(MeshError::Inconsistent(format!("a weight of {bad}: weights are finite and not negative")));
-    }
-    // A vertex without weight could go anywhere: a small one keeps its cells in shape.
-    let least = LEAST_WEIGHT * weights.iter().sum::<f64>() / weights.len().max(1) as f64;
-    let weights: Vec<f64> = weights.iter().map(|w| w.max(least).max(f64::MIN_POSITIVE)).collect();
+pub fn optimise_error(mesh: &TetMesh, weights: &Weights, passes: usize, first: usize) -> Result<Optimised, MeshError> {
     let first = u32::try_from(first).unwrap_or(u32::MAX);
     let mut solid = Solid::new(mesh);
-    improve::error::optimise_error(&mut solid, &weights, passes, first);
+    improve::error::optimise_error(&mut solid, weights, passes, first)?;
     let kept = solid.drop_unused(first);
     Ok(Optimised { mesh: solid.finish()?, kept })
 }

@@ -69,6 +69,11 @@ pub enum Objective {
 /// Target angle in degrees of the repair before an error-driven stage.
 const REPAIR_ANGLE: f64 = 28.0;
 
+/// Cells whose smallest angle is below this are repaired at any price, in degrees: before an error-driven stage, which keeps
+/// cells above the same angle, and so many degrees below the target elsewhere.
+const REPAIR_BELOW_ERROR: f64 = 15.0;
+const REPAIR_BELOW_TARGET: f64 = 5.0;
+
 /// Parameters of the optimisation of a refined mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Optimise {
@@ -76,6 +81,8 @@ pub struct Optimise {
     pub mode: Mode,
     /// What they are for (in [`Mode::Best`]; the paper's operations are for the angles).
     pub objective: Objective,
+    /// Whether [`Objective::Error`] looks at the directions of the second derivatives.
+    pub directions: bool,
     /// What a good cell is to the paper's operations (in [`Mode::Paper`]; the others have measures of their own).
     pub measure: QualityMeasure,
     /// Passes at most.
@@ -103,6 +110,15 @@ impl Optimise {
         }
     }
 
+    /// Angle in degrees below which a cell is repaired at any price. Repairs are dear: adaptive runs with
+    /// [`Objective::Error`] took twice as long where they aimed at 23 degrees, for the same error.
+    pub(crate) fn repair_angle(&self) -> f64 {
+        match self.objective {
+            Objective::Quality => self.target_angle - REPAIR_BELOW_TARGET,
+            Objective::Error => self.target_angle.min(REPAIR_BELOW_ERROR),
+        }
+    }
+
     /// True if the last stage of a step lowers the weighted interpolation error. It needs weights, so it is the caller's:
     /// [`super::optimise_error`].
     #[must_use]
@@ -116,6 +132,7 @@ impl Default for Optimise {
         Self {
             mode: Mode::Paper,
             objective: Objective::Quality,
+            directions: true,
             measure: QualityMeasure::MinSine,
             passes: 3,
             target_angle: 32.0,

@@ -16,6 +16,7 @@ mod tests;
 
 use super::options::Estimator;
 use crate::fem::{Material, Space, Stress, SymTensor};
+use glam::DVec3;
 use patches::Patches;
 use rayon::prelude::*;
 
@@ -38,9 +39,9 @@ pub struct CellErrors {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Recovered {
     /// The patch at each vertex of each cell.
-    patches: Vec<[u32; 4]>,
+    pub(in crate::adapt) patches: Vec<[u32; 4]>,
     /// The stress at the vertex of each patch.
-    at_vertices: Vec<SymTensor>,
+    pub(in crate::adapt) at_vertices: Vec<SymTensor>,
     /// That at the other nodes of ten-node cells, six a cell.
     between: Vec<[SymTensor; 6]>,
 }
@@ -89,7 +90,7 @@ pub fn estimate(space: &Space<'_>, materials: &[Material], stress: &Stress, esti
     } else {
         linear(&field, &patches, material, estimator)
     };
-    let unestimated = (0..stress.cells()).filter(|&t| patches.is_isolated(t)).map(|t| t as u32).collect();
+    let unestimated = patches.isolated();
     let recovered = Recovered { patches: patches.into_cells(), at_vertices, between };
     CellErrors { squared, nodal_stress, recovered, unestimated }
 }
@@ -110,12 +111,20 @@ fn linear<'a>(
     material: impl Fn(usize) -> &'a Material + Sync,
     estimator: Estimator,
 ) -> Estimate {
+    let mesh = field.space.mesh();
+    let centroids: Vec<DVec3> = match estimator {
+        Estimator::Spr => {
+            let cells = (0..mesh.tets().len()).into_par_iter();
+            cells.map(|t| mesh.cell_points(t).into_iter().sum::<DVec3>() / 4.0).collect()
+        }
+        Estimator::Averaging => Vec::new(),
+    };
     let recovered: Vec<SymTensor> = (0..patches.len())
         .into_par_iter()
         .map(|p| {
             let cells = patches.to_recover_from(p);
             match estimator {
-                Estimator::Spr => spr::recover(field, patches.vertex(p), &cells),
+                Estimator::Spr => spr::recover(field, &centroids, patches.vertex(p), &cells),
                 Estimator::Averaging => averaging::recover(field, &cells),
             }
         })
@@ -170,15 +179,14 @@ fn squared_error(material: &Material, volume: f64, differences: &[SymTensor; 4])
 
 /// One stress a vertex: the mean over the regions there, weighted by volume.
 fn at_vertices(field: &Field, patches: &Patches, recovered: &[SymTensor]) -> Vec<SymTensor> {
-    let count = field.space.mesh().points().len();
-    let (mut sums, mut weights) = (vec![[0.0; 6]; count], vec![0.0; count]);
-    for (p, stress) in recovered.iter().enumerate() {
-        let (vertex, volume) = (patches.vertex(p) as usize, field.volume_of(patches.cells(p)));
-        add_scaled(&mut sums[vertex], volume, stress);
-        weights[vertex] += volume;
-    }
-    for (sum, weight) in sums.iter_mut().zip(weights).filter(|(_, weight)| *weight > 0.0) {
-        *sum = sum.map(|x| x / weight);
-    }
-    sums
+    let mean = |v: u32| {
+        let (mut sum, mut weight) = ([0.0; 6], 0.0);
+        for p in patches.at_vertex(v) {
+            let volume = field.volume_of(patches.cells(p));
+            add_scaled(&mut sum, volume, &recovered[p]);
+            weight += volume;
+        }
+        if weight > 0.0 { sum.map(|x| x / weight) } else { sum }
+    };
+    (0..field.space.mesh().points().len() as u32).into_par_iter().map(mean).collect()
 }

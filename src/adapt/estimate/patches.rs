@@ -1,8 +1,10 @@
 //! Patches: the cells of one region around one vertex that hang together through faces.
 
 use crate::mesh::TetMesh;
-use crate::mesh::topology::{self, VertexCells};
+use crate::mesh::topology::VertexCells;
+use rayon::prelude::*;
 use std::borrow::Cow;
+use std::ops::Range;
 
 /// All patches of a mesh, ordered by vertex and region.
 pub(super) struct Patches {
@@ -10,43 +12,68 @@ pub(super) struct Patches {
     /// The cells of patch `p` are `cells[starts[p]..starts[p + 1]]`.
     starts: Vec<u32>,
     cells: Vec<u32>,
+    /// The patches at vertex `v` are `of_vertex[v]..of_vertex[v + 1]`.
+    of_vertex: Vec<u32>,
     /// The patch at each vertex of each cell.
     of_cell: Vec<[u32; 4]>,
 }
 
+/// How many vertices a thread takes at a time.
+const CHUNK: usize = 1 << 12;
+
 impl Patches {
     pub(super) fn new(mesh: &TetMesh) -> Self {
-        let around = VertexCells::new(mesh.points().len(), mesh.tets());
+        let count = mesh.points().len();
+        let around = VertexCells::new(count, mesh.tets());
+        // Parts that touch at a vertex or an edge have nothing to do with each other's stress.
+        let (parts, _) = mesh.connected_parts();
+        let region = |t: u32| (mesh.regions()[t as usize], parts[t as usize]);
+        let chunk = |first: usize| {
+            let mut patches = Vec::new();
+            let mut cells = Vec::new();
+            for v in first as u32..count.min(first + CHUNK) as u32 {
+                let begin = cells.len();
+                cells.extend_from_slice(around.at(v));
+                cells[begin..].sort_by_key(|&t| region(t));
+                let same = cells[begin..].chunk_by(|&t, &u| region(t) == region(u));
+                patches.extend(same.map(|same| (v, same.len() as u32)));
+            }
+            (patches, cells)
+        };
+        let chunks: Vec<(Vec<(u32, u32)>, Vec<u32>)> =
+            (0..count.div_ceil(CHUNK)).into_par_iter().map(|k| chunk(k * CHUNK)).collect();
         let mut patches = Self {
-            vertices: Vec::with_capacity(mesh.points().len()),
+            vertices: Vec::with_capacity(count),
             starts: vec![0],
             cells: Vec::with_capacity(4 * mesh.tets().len()),
-            of_cell: vec![[0; 4]; mesh.tets().len()],
+            of_vertex: vec![0; count + 1],
+            of_cell: Vec::new(),
         };
-        // Parts that touch at a vertex or an edge have nothing to do with each other's stress.
-        let (parts, _) = topology::parts(mesh.tets());
-        let region = |t: u32| (mesh.regions()[t as usize], parts[t as usize]);
-        let mut cells = Vec::new();
-        for v in 0..mesh.points().len() as u32 {
-            cells.clear();
-            cells.extend_from_slice(around.at(v));
-            cells.sort_by_key(|&t| region(t));
-            for same in cells.chunk_by(|&t, &u| region(t) == region(u)) {
-                patches.push(mesh, v, same);
+        for (of_chunk, cells) in chunks {
+            for (vertex, length) in of_chunk {
+                patches.vertices.push(vertex);
+                patches.starts.push(patches.starts[patches.starts.len() - 1] + length);
+                patches.of_vertex[vertex as usize + 1] += 1;
             }
+            patches.cells.extend_from_slice(&cells);
         }
+        for v in 0..count {
+            patches.of_vertex[v + 1] += patches.of_vertex[v];
+        }
+        let patch = |v: u32, t: u32| {
+            let mut at = patches.at_vertex(v);
+            let first = at.start as u32;
+            // Nearly all vertices have one patch.
+            if at.len() == 1 { first } else { at.find(|&p| patches.cells(p).contains(&t)).map_or(first, |p| p as u32) }
+        };
+        let cells = mesh.tets().par_iter().enumerate().with_min_len(CHUNK);
+        patches.of_cell = cells.map(|(t, tet)| tet.map(|v| patch(v, t as u32))).collect();
         patches
     }
 
-    fn push(&mut self, mesh: &TetMesh, vertex: u32, cells: &[u32]) {
-        let patch = self.vertices.len() as u32;
-        for &t in cells {
-            let corners = mesh.tets()[t as usize].iter().zip(&mut self.of_cell[t as usize]);
-            corners.filter(|(v, _)| **v == vertex).for_each(|(_, p)| *p = patch);
-        }
-        self.vertices.push(vertex);
-        self.cells.extend_from_slice(cells);
-        self.starts.push(self.cells.len() as u32);
+    /// The patches at a vertex.
+    pub(super) fn at_vertex(&self, v: u32) -> Range<usize> {
+        self.of_vertex[v as usize] as usize..self.of_vertex[v as usize + 1] as usize
     }
 
     pub(super) fn len(&self) -> usize {
@@ -86,6 +113,12 @@ impl Patches {
     /// The patch at each vertex of each cell.
     pub(super) fn into_cells(self) -> Vec<[u32; 4]> {
         self.of_cell
+    }
+
+    /// Cells, ascending, that share no vertex with another cell of their region.
+    pub(super) fn isolated(&self) -> Vec<u32> {
+        let cells = (0..self.of_cell.len() as u32).into_par_iter().with_min_len(CHUNK);
+        cells.filter(|&t| self.is_isolated(t as usize)).collect()
     }
 
     /// Whether cell `t` shares no vertex with another cell of its region.

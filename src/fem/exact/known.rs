@@ -105,6 +105,66 @@ pub(super) fn l_prism_displacement(x: DVec3, material: &Material) -> DVec3 {
     DVec3::new(ur * cos - ut * sin, ur * sin + ut * cos, 0.0)
 }
 
+/// A quadratic displacement, whose strain is linear.
+pub(super) fn quadratic_patch(p: DVec3) -> DVec3 {
+    let DVec3 { x, y, z } = p;
+    DVec3::new(x * x + 2.0 * x * y - z * z, y * y - x * z + 3.0 * y * z, x * y + z * z - 2.0 * x * x)
+}
+
+pub(super) fn quadratic_patch_strain(p: DVec3) -> SymTensor {
+    let DVec3 { x, y, z } = p;
+    [2.0 * x + 2.0 * y, 2.0 * y + 3.0 * z, 2.0 * z, x - 0.5 * z, 1.5 * y, 0.5 * (y - 4.0 * x - 2.0 * z)]
+}
+
+pub(super) fn quadratic_patch_force(material: &Material) -> DVec3 {
+    let (mu, nu) = (material.mu(), material.poissons_ratio);
+    let lambda = 2.0 * mu * nu / (1.0 - 2.0 * nu);
+    -DVec3::new(2.0 * lambda + 2.0 * mu, 4.0 * lambda + 6.0 * mu, 5.0 * lambda + 3.0 * mu)
+}
+
+/// Radial and tangential stress of a tube of radii 1 and 2 under an inner pressure of 1.
+fn lame_cylinder_principal(r: f64) -> [f64; 2] {
+    [(1.0 - 4.0 / (r * r)) / 3.0, (1.0 + 4.0 / (r * r)) / 3.0]
+}
+
+/// A tube in plane strain.
+pub(super) fn lame_cylinder(x: DVec3, nu: f64) -> SymTensor {
+    let [rr, tt] = lame_cylinder_principal(x.truncate().length());
+    turned([rr, tt, 0.0], nu * (rr + tt), x.y.atan2(x.x))
+}
+
+/// The tangential strain is the radial displacement over the radius.
+pub(super) fn lame_cylinder_displacement(x: DVec3, material: &Material) -> DVec3 {
+    let [rr, tt] = lame_cylinder_principal(x.truncate().length());
+    let nu = material.poissons_ratio;
+    (tt - nu * (rr + nu * (rr + tt))) / material.youngs_modulus * x.with_z(0.0)
+}
+
+/// Length and height of Timoshenko's beam; the force on its end is 1 by width.
+const BEAM: [f64; 2] = [8.0, 2.0];
+const SECOND_MOMENT: f64 = BEAM[1] * BEAM[1] * BEAM[1] / 12.0;
+
+/// Bending and parabolic shear, in plane strain; y is measured from the lower side.
+pub(super) fn timoshenko(x: DVec3, nu: f64) -> SymTensor {
+    let [length, height] = BEAM;
+    let y = x.y - 0.5 * height;
+    let xx = (length - x.x) * y / SECOND_MOMENT;
+    [xx, 0.0, nu * xx, -0.5 / SECOND_MOMENT * (0.25 * height * height - y * y), 0.0, 0.0]
+}
+
+/// Timoshenko and Goodier's cantilever, with the moduli of plane strain.
+pub(super) fn timoshenko_displacement(p: DVec3, material: &Material) -> DVec3 {
+    let [length, height] = BEAM;
+    let (x, y) = (p.x, p.y - 0.5 * height);
+    let nu = material.poissons_ratio / (1.0 - material.poissons_ratio);
+    let young = material.youngs_modulus / (1.0 - material.poissons_ratio.powi(2));
+    let scale = 1.0 / (6.0 * young * SECOND_MOMENT);
+    let square = height * height / 4.0;
+    let along = y * ((6.0 * length - 3.0 * x) * x + (2.0 + nu) * (y * y - square));
+    let across = 3.0 * nu * y * y * (length - x) + (4.0 + 5.0 * nu) * square * x + (3.0 * length - x) * x * x;
+    scale * DVec3::new(along, -across, 0.0)
+}
+
 /// Plane polar stress at an angle from x in Cartesian components.
 fn turned([rr, tt, rt]: [f64; 3], zz: f64, angle: f64) -> SymTensor {
     let (sin, cos) = angle.sin_cos();

@@ -46,6 +46,9 @@ impl Exact {
             ExactSolution::LameSphere => (DVec3::ZERO, DVec3::splat(2.0)),
             ExactSolution::LPrism => (DVec3::new(-1.0, -1.0, 0.0), DVec3::ONE),
             ExactSolution::Kirsch => (DVec3::ZERO.with_z(lo.z), DVec3::splat(4.0).with_z(hi.z)),
+            ExactSolution::LameCylinder => (DVec3::ZERO.with_z(lo.z), DVec3::splat(2.0).with_z(hi.z)),
+            ExactSolution::Timoshenko => (DVec3::ZERO.with_z(lo.z), DVec3::new(8.0, 2.0, hi.z)),
+            ExactSolution::QuadraticPatch => (lo, hi),
         };
         lo.distance(want_lo) < 1e-9 && hi.distance(want_hi) < 1e-9
     }
@@ -58,6 +61,9 @@ impl Exact {
             ExactSolution::LameSphere => known::lame_sphere_displacement(x, &self.material),
             ExactSolution::Kirsch => known::kirsch_displacement(x, &self.material),
             ExactSolution::LPrism => known::l_prism_displacement(x, &self.material),
+            ExactSolution::QuadraticPatch => known::quadratic_patch(x),
+            ExactSolution::LameCylinder => known::lame_cylinder_displacement(x, &self.material),
+            ExactSolution::Timoshenko => known::timoshenko_displacement(x, &self.material),
         }
     }
 
@@ -75,6 +81,9 @@ impl Exact {
             ExactSolution::LameSphere => known::lame_sphere(x),
             ExactSolution::Kirsch => known::kirsch(x, self.material.poissons_ratio),
             ExactSolution::LPrism => known::l_prism(x, self.material.poissons_ratio),
+            ExactSolution::QuadraticPatch => self.material.stress(known::quadratic_patch_strain(x)),
+            ExactSolution::LameCylinder => known::lame_cylinder(x, self.material.poissons_ratio),
+            ExactSolution::Timoshenko => known::timoshenko(x, self.material.poissons_ratio),
         }
     }
 
@@ -83,6 +92,7 @@ impl Exact {
     pub fn body_force(&self, x: DVec3) -> DVec3 {
         match self.solution {
             ExactSolution::SmoothCube => known::smooth_cube_force(x, &self.material),
+            ExactSolution::QuadraticPatch => known::quadratic_patch_force(&self.material),
             _ => DVec3::ZERO,
         }
     }
@@ -90,7 +100,7 @@ impl Exact {
     /// Adds the loads of the known solution to a system.
     pub fn add_loads(&self, space: &Space<'_>, system: &mut System) {
         let mesh = space.mesh();
-        if self.solution == ExactSolution::SmoothCube {
+        if matches!(self.solution, ExactSolution::SmoothCube | ExactSolution::QuadraticPatch) {
             let of_cell = |t: usize| {
                 let mut forces = [DVec3::ZERO; 10];
                 for (l, share) in tet_rule() {
@@ -162,8 +172,15 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    const ALL: [ExactSolution; 4] =
-        [ExactSolution::SmoothCube, ExactSolution::LameSphere, ExactSolution::Kirsch, ExactSolution::LPrism];
+    const ALL: [ExactSolution; 7] = [
+        ExactSolution::SmoothCube,
+        ExactSolution::LameSphere,
+        ExactSolution::Kirsch,
+        ExactSolution::LPrism,
+        ExactSolution::QuadraticPatch,
+        ExactSolution::LameCylinder,
+        ExactSolution::Timoshenko,
+    ];
     const MATERIAL: Material = Material { youngs_modulus: 2.0, poissons_ratio: 0.3, density: 0.0 };
 
     #[test]
@@ -211,6 +228,34 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// The force on a unit area at a point, of a known solution with E = 2 and nu = 0.3.
+    fn force(solution: ExactSolution, x: [f64; 3], n: DVec3) -> DVec3 {
+        traction(Exact { solution, material: MATERIAL, tractions: None }.stress(DVec3::from_array(x)), n)
+    }
+
+    /// What acts on the sides is what the problems say: pressure 1 inside and nothing outside, free holes and long sides, a
+    /// parabola of resultant -1 at the beam's end.
+    #[test]
+    fn the_tractions_are_those_of_the_problems() {
+        for angle in [0.0_f64, 0.4, 1.2] {
+            let n = DVec3::new(angle.cos(), angle.sin(), 0.0);
+            let of = |solution, r: f64| force(solution, (r * n).to_array(), n);
+            for solution in [ExactSolution::LameSphere, ExactSolution::LameCylinder] {
+                assert!((of(solution, 1.0) + n).length() < 1e-14 && of(solution, 2.0).length() < 1e-14);
+            }
+            assert!(of(ExactSolution::Kirsch, 1.0).length() < 1e-14);
+        }
+        assert!((force(ExactSolution::Kirsch, [1e-9, 1.0, 0.0], DVec3::X).x - 3.0).abs() < 1e-6);
+        let beam = |x, y, n| force(ExactSolution::Timoshenko, [x, y, 0.2], n);
+        for x in [0.0, 3.0, 8.0] {
+            assert!(beam(x, 0.0, DVec3::Y).length() < 1e-14 && beam(x, 2.0, DVec3::Y).length() < 1e-14);
+        }
+        let end = |f: &dyn Fn(f64) -> f64| GAUSS.iter().map(|[t, w]| 2.0 * w * f(2.0 * t)).sum::<f64>();
+        assert!((end(&|y| beam(8.0, y, DVec3::X).y) + 1.0).abs() < 1e-14);
+        // At the root the moment of the force at the other end.
+        assert!((end(&|y| beam(0.0, y, DVec3::X).x * (y - 1.0)) - 8.0).abs() < 1e-13);
     }
 
     /// The re-entrant faces of the L-prism carry no load, and its energy is known to 14 digits.

@@ -96,6 +96,14 @@ fn solve_auto(problem: &Problem, start: Option<&[DVec3]>, limit: u64) -> Result<
     }
 }
 
+/// Numbers that the Cholesky factor of a system holds, for the direct method: found by ordering the unknowns, without factorising.
+///
+/// # Errors
+/// [`FemError::Ordering`].
+pub fn factor_numbers(system: &System) -> Result<usize, FemError> {
+    Ok(direct::analyse(system)?.nonzeros())
+}
+
 /// The multigrid that conjugate gradients are preconditioned by, by itself: for measurements.
 pub struct Multigrid(amg::Hierarchy<f32>);
 
@@ -138,7 +146,7 @@ impl<'a> Problem<'a> {
         let rhs = residual(system, &lifting);
         let scale = norm(&rhs);
         let out_of_range = |what| Err(FemError::OutOfRange { what });
-        if !system.stiffness.blocks.iter().all(glam::DMat3::is_finite) {
+        if !system.stiffness.blocks.par_iter().with_min_len(super::block_matrix::CHUNK).all(glam::DMat3::is_finite) {
             return out_of_range("stiffness matrix");
         }
         if !scale.is_finite() || (scale == 0.0 && rhs.iter().any(|f| *f != DVec3::ZERO)) {
@@ -148,12 +156,17 @@ impl<'a> Problem<'a> {
     }
 
     /// Displacement and residual to begin with: those of the guess, unless it is worse than none.
+    ///
+    /// Conjugate gradients lower the energy `d.K d / 2 - b.d = -d.(b + r) / 2` of the unknown part d with its residual r.
+    /// A guess from a coarser mesh has a low energy and yet a large residual, for it has kinks in the wrong places.
     fn start(&self, guess: Option<&[DVec3]>) -> (Vec<DVec3>, Vec<DVec3>) {
         if let Some(guess) = guess.filter(|guess| guess.len() == self.lifting.len()) {
             let mask = self.system.numbering.mask();
             let u: Vec<DVec3> = (0..guess.len()).map(|i| self.lifting[i] + mask[i] * guess[i]).collect();
             let remainder = residual(self.system, &u);
-            if norm(&remainder) < self.scale {
+            let gain = |i: usize| (u[i] - self.lifting[i]).dot(self.rhs[i] + remainder[i]);
+            // Refuses NaN too.
+            if (0..u.len()).map(gain).sum::<f64>() > 0.0 {
                 return (u, remainder);
             }
         }

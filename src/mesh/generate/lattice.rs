@@ -1,9 +1,13 @@
 //! Meshes made of the bricks of a lattice, each cut into six tetrahedra around its main diagonal (the Kuhn or Freudenthal
 //! triangulation), and put in their places by a map.
 
-use super::{MAX_CELLS, Takes, brick, tagged_mesh};
-use crate::mesh::{MeshError, TetMesh, quality};
+use super::{Curved, MAX_CELLS, Takes, brick, tagged_mesh};
+use crate::mesh::midside::Midside;
+use crate::mesh::{MeshError, TetMesh, quality, topology};
 use glam::DVec3;
+
+/// Distance from the middle over the edge's length from which an edge counts as curved: above rounding.
+const CURVED: f64 = 1e-12;
 
 /// Coordinates of a point of the lattice.
 pub(super) type At = [usize; 3];
@@ -21,8 +25,8 @@ pub(super) struct Lattice<'a> {
     pub mirror: At,
     /// Whether the brick with this lowest corner exists.
     pub keep: &'a dyn Fn(At) -> bool,
-    /// Where a point of the lattice lies.
-    pub place: &'a dyn Fn(At) -> DVec3,
+    /// Where a point of the lattice lies; the middle of an edge has coordinates that are halves.
+    pub place: &'a dyn Fn([f64; 3]) -> DVec3,
     /// Names of groups; a boundary face belongs to the first that takes all its points.
     pub groups: &'a [(&'a str, &'a dyn Fn(At) -> bool)],
 }
@@ -33,6 +37,35 @@ impl Lattice<'_> {
     /// # Errors
     /// [`MeshError::Generator`]: no bricks or too many, or bricks without volume.
     pub fn mesh(&self) -> Result<TetMesh, MeshError> {
+        Ok(self.made()?.0)
+    }
+
+    /// The mesh, and its edges that the map bends.
+    ///
+    /// # Errors
+    /// As [`Self::mesh`].
+    pub fn curved(&self) -> Result<Curved, MeshError> {
+        let (mesh, lattice) = self.made()?;
+        let node = |edge: [u32; 2]| {
+            let [p, q] = edge.map(|v| mesh.points()[v as usize]);
+            let position = (self.place)(self.middle(edge.map(|v| lattice[v as usize])));
+            (position.distance(p.midpoint(q)) > CURVED * p.distance(q)).then_some(Midside { edge, position })
+        };
+        let midsides = topology::edges(mesh.tets()).into_iter().filter_map(node).collect();
+        Ok(Curved { mesh, midsides })
+    }
+
+    /// The middle between two neighbours in the lattice, of which one may lie behind the seam of a closed axis.
+    fn middle(&self, [a, b]: [At; 2]) -> [f64; 3] {
+        std::array::from_fn(|axis| {
+            let seam = self.closed[axis] && a[axis].abs_diff(b[axis]) > 1;
+            let turn = if seam { self.cells[axis] } else { 0 };
+            0.5 * (a[axis] + b[axis] + turn) as f64
+        })
+    }
+
+    /// The mesh, and the place in the lattice of each vertex.
+    fn made(&self) -> Result<(TetMesh, Vec<At>), MeshError> {
         let refuse = |problem: String| Err(MeshError::Generator(format!("{}: {problem}", self.name)));
         let tets = self.cells.iter().try_fold(6_usize, |product, n| product.checked_mul(*n));
         match tets {
@@ -44,7 +77,8 @@ impl Lattice<'_> {
         let at = |v: u32| lattice[v as usize];
         let takes: Vec<_> = self.groups.iter().map(|(_, takes)| move |v: u32| takes(at(v))).collect();
         let groups = self.groups.iter().zip(&takes).map(|((name, _), takes)| (*name, takes as Takes<'_>));
-        tagged_mesh(self.name, points, tets, &groups.collect::<Vec<_>>())
+        let mesh = tagged_mesh(self.name, points, tets, &groups.collect::<Vec<_>>())?;
+        Ok((mesh, lattice))
     }
 
     /// Points along each axis.
@@ -86,7 +120,7 @@ impl Lattice<'_> {
         tets.iter().flatten().for_each(|&v| numbers[v as usize] = 0);
         let lattice: Vec<At> = (0..count).filter(|&v| numbers[v] == 0).map(|v| self.at(v as u32)).collect();
         (0..).zip(&lattice).for_each(|(new, &at)| numbers[self.number(at) as usize] = new);
-        let points: Vec<DVec3> = lattice.iter().map(|&at| (self.place)(at)).collect();
+        let points: Vec<DVec3> = lattice.iter().map(|&at| (self.place)(at.map(|i| i as f64))).collect();
         let positive = |tet: [u32; 4]| {
             let [a, b, c, d] = tet.map(|v| numbers[v as usize]);
             let volume = quality::volume([a, b, c, d].map(|v| points[v as usize]));

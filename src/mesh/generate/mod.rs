@@ -7,11 +7,36 @@ mod shapes;
 pub use prism::prism;
 pub use shapes::{cylinder, fichera, l_prism, le10, plate_with_hole, sphere_shell, tube};
 
+use super::midside::{self, Midside};
 use super::{Face, GroupId, MeshError, PatchId, RegionId, TetMesh, TetMeshParts, topology};
 use glam::DVec3;
 
 /// Most cells a generator makes.
 const MAX_CELLS: usize = 50_000_000;
+
+/// A body with curved sides: its mesh, and the nodes that its curved edges have in the middle, sorted by edge.
+#[derive(Debug, Clone)]
+pub struct Curved {
+    /// The mesh, whose vertices lie on the body's surface.
+    pub mesh: TetMesh,
+    /// The nodes on edges that are not straight.
+    pub midsides: Vec<Midside>,
+}
+
+impl Curved {
+    /// The body, if its curved cells are not folded.
+    ///
+    /// # Errors
+    /// [`MeshError::Generator`] says how many are.
+    pub fn unfolded(self) -> Result<Self, MeshError> {
+        match midside::folded(&self.mesh, &self.midsides).len() {
+            0 => Ok(self),
+            n => Err(MeshError::Generator(format!(
+                "{n} of its curved cells are folded: ask for more cells along the curved sides, or mesh.midside = \"straight\""
+            ))),
+        }
+    }
+}
 
 /// The order in which the six tetrahedra of a brick walk along the axes from its lowest to its highest corner. The first
 /// three walks are even permutations, whose tetrahedra are positive; the others are odd.

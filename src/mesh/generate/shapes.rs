@@ -1,5 +1,6 @@
 //! Bodies with known solutions, and other standard shapes.
 
+use super::Curved;
 use super::lattice::{At, Lattice};
 use crate::mesh::{MeshError, TetMesh};
 use glam::DVec3;
@@ -70,7 +71,7 @@ pub fn fichera(n: usize) -> Result<TetMesh, MeshError> {
 ///
 /// # Errors
 /// [`MeshError::Generator`] if a measure is not positive and finite, or a number of cells is zero or too large.
-pub fn cylinder(radius: f64, length: f64, cells: [usize; 2]) -> Result<TetMesh, MeshError> {
+pub fn cylinder(radius: f64, length: f64, cells: [usize; 2]) -> Result<Curved, MeshError> {
     check("the cylinder", &[("radius", radius), ("length", length)])?;
     let [n, layers] = cells;
     // Squares around the axis become circles.
@@ -82,8 +83,8 @@ pub fn cylinder(radius: f64, length: f64, cells: [usize; 2]) -> Result<TetMesh, 
         mirror: [n, n, 0],
         keep: &|_| true,
         place: &|[i, j, k]| {
-            let flat = DVec3::new(i as f64 - n as f64, j as f64 - n as f64, 0.0);
-            radius * unit(ring(i, j), n) * flat.normalize_or_zero() + length * unit(k, layers) * DVec3::Z
+            let flat = DVec3::new(i - n as f64, j - n as f64, 0.0);
+            radius * unit(flat.abs().max_element(), n) * flat.normalize_or_zero() + length * unit(k, layers) * DVec3::Z
         },
         groups: &[
             ("side", &|[i, j, _]| ring(i, j) == n),
@@ -91,41 +92,45 @@ pub fn cylinder(radius: f64, length: f64, cells: [usize; 2]) -> Result<TetMesh, 
             ("z-max", &|[.., k]| k == layers),
         ],
     }
-    .mesh()
+    .curved()
 }
 
-/// A thick tube about the z axis from z = 0; `radii` inside and outside, `cells` through its wall, around and along.
-/// Groups "inner", "outer", "z-min", "z-max".
+/// A thick tube about the z axis from z = 0, or the quarter of it in x, y >= 0; `radii` inside and outside, `cells` through
+/// its wall, around and along. Groups "inner", "outer", "z-min", "z-max", and of the quarter "y-min", "x-min".
 ///
 /// # Errors
 /// [`MeshError::Generator`] if a measure is not positive and finite, the radii do not grow, there are fewer than three
-/// cells around, or a number of cells is zero or too large.
-pub fn tube(radii: [f64; 2], length: f64, cells: [usize; 3]) -> Result<TetMesh, MeshError> {
+/// cells around the whole tube, or a number of cells is zero or too large.
+pub fn tube(radii: [f64; 2], length: f64, cells: [usize; 3], is_quarter: bool) -> Result<Curved, MeshError> {
     let [inner, outer] = radii;
     check("the tube", &[("inner radius", inner), ("wall", outer - inner), ("length", length)])?;
     let [wall, around, layers] = cells;
-    if around < 3 {
+    if around < 3 && !is_quarter {
         return Err(MeshError::Generator(format!("the tube: {around} cells around it, it needs at least three")));
     }
+    let groups: [(&str, &dyn Fn(At) -> bool); 6] = [
+        ("inner", &|[i, ..]| i == 0),
+        ("outer", &|[i, ..]| i == wall),
+        ("z-min", &|[.., k]| k == 0),
+        ("z-max", &|[.., k]| k == layers),
+        ("y-min", &|[_, j, _]| j == 0),
+        ("x-min", &|[_, j, _]| j == around),
+    ];
     Lattice {
         name: "the tube",
         cells,
-        closed: [false, true, false],
+        closed: [false, !is_quarter, false],
         mirror: [0; 3],
         keep: &|_| true,
         place: &|[i, j, k]| {
-            let (sin, cos) = (4.0 * FRAC_PI_2 * unit(j, around)).sin_cos();
+            let turn = 4.0 * FRAC_PI_2 * unit(j, around);
+            let (sin, cos) = if is_quarter { quarter(j, around) } else { turn.sin_cos() };
             let r = inner + (outer - inner) * unit(i, wall);
             DVec3::new(r * cos, r * sin, length * unit(k, layers))
         },
-        groups: &[
-            ("inner", &|[i, ..]| i == 0),
-            ("outer", &|[i, ..]| i == wall),
-            ("z-min", &|[.., k]| k == 0),
-            ("z-max", &|[.., k]| k == layers),
-        ],
+        groups: &groups[..if is_quarter { 6 } else { 4 }],
     }
-    .mesh()
+    .curved()
 }
 
 /// The eighth of a spherical shell in x, y, z >= 0; `radii` inside and outside, `cells` along an edge of the inner surface
@@ -134,7 +139,7 @@ pub fn tube(radii: [f64; 2], length: f64, cells: [usize; 3]) -> Result<TetMesh, 
 /// # Errors
 /// [`MeshError::Generator`] if a measure is not positive and finite, the radii do not grow, or a number of cells is zero
 /// or too large.
-pub fn sphere_shell(radii: [f64; 2], cells: [usize; 2]) -> Result<TetMesh, MeshError> {
+pub fn sphere_shell(radii: [f64; 2], cells: [usize; 2]) -> Result<Curved, MeshError> {
     let [inner, outer] = radii;
     check("the shell", &[("inner radius", inner), ("wall", outer - inner)])?;
     let [m, wall] = cells;
@@ -151,8 +156,9 @@ pub fn sphere_shell(radii: [f64; 2], cells: [usize; 2]) -> Result<TetMesh, MeshE
         mirror: [0; 3],
         keep: &|low| level(low) >= m,
         place: &|at| {
-            let r = inner + (outer - inner) * (level(at) as f64 - m as f64) / wall as f64;
-            r * DVec3::from_array(at.map(|i| i as f64)).normalize_or_zero()
+            let at = DVec3::from_array(at);
+            let r = inner + (outer - inner) * (at.max_element() - m as f64) / wall as f64;
+            r * at.normalize_or_zero()
         },
         groups: &[
             ("inner", &|at| level(at) == m),
@@ -162,7 +168,7 @@ pub fn sphere_shell(radii: [f64; 2], cells: [usize; 2]) -> Result<TetMesh, MeshE
             ("z-min", &|[.., k]| k == 0),
         ],
     }
-    .mesh()
+    .curved()
 }
 
 /// A quarter of a square plate with a round hole in its middle: x, y from 0 to `size`, z from 0 to `thickness`; `cells` from
@@ -172,7 +178,7 @@ pub fn sphere_shell(radii: [f64; 2], cells: [usize; 2]) -> Result<TetMesh, MeshE
 /// # Errors
 /// [`MeshError::Generator`] if a measure is not positive and finite, the hole is not smaller than the plate, or a number of
 /// cells is zero or too large.
-pub fn plate_with_hole(radius: f64, size: f64, thickness: f64, cells: [usize; 3]) -> Result<TetMesh, MeshError> {
+pub fn plate_with_hole(radius: f64, size: f64, thickness: f64, cells: [usize; 3]) -> Result<Curved, MeshError> {
     check("the plate", &[("radius", radius), ("size minus the radius", size - radius), ("thickness", thickness)])?;
     let [outward, half, layers] = cells;
     Lattice {
@@ -201,7 +207,7 @@ pub fn plate_with_hole(radius: f64, size: f64, thickness: f64, cells: [usize; 3]
             ("z-max", &|[.., k]| k == layers),
         ],
     }
-    .mesh()
+    .curved()
 }
 
 /// The thick elliptic plate of the NAFEMS benchmark LE10, a quarter of it: inner ellipse 2 x 1, outer ellipse 3.25 x 2.75, z
@@ -210,7 +216,7 @@ pub fn plate_with_hole(radius: f64, size: f64, thickness: f64, cells: [usize; 3]
 ///
 /// # Errors
 /// [`MeshError::Generator`] if a number of cells is zero or too large.
-pub fn le10(cells: [usize; 3]) -> Result<TetMesh, MeshError> {
+pub fn le10(cells: [usize; 3]) -> Result<Curved, MeshError> {
     let [outward, along, layers] = cells;
     Lattice {
         name: "the LE10 plate",
@@ -232,17 +238,17 @@ pub fn le10(cells: [usize; 3]) -> Result<TetMesh, MeshError> {
             ("z-max", &|[.., k]| k == layers),
         ],
     }
-    .mesh()
+    .curved()
 }
 
-fn unit(i: usize, n: usize) -> f64 {
-    i as f64 / n as f64
+fn unit(i: f64, n: usize) -> f64 {
+    i / n as f64
 }
 
-/// Sine and cosine of the `j`-th of `n` parts of a quarter turn, exact at its ends.
-fn quarter(j: usize, n: usize) -> (f64, f64) {
-    let angle = FRAC_PI_2 * unit(j, n);
-    if j == n { (1.0, 0.0) } else { angle.sin_cos() }
+/// Sine and cosine after `j` of `n` parts of a quarter turn, exact at its ends.
+fn quarter(j: f64, n: usize) -> (f64, f64) {
+    let share = unit(j, n);
+    if share >= 1.0 { (1.0, 0.0) } else { (FRAC_PI_2 * share).sin_cos() }
 }
 
 fn check(name: &str, measures: &[(&str, f64)]) -> Result<(), MeshError> {

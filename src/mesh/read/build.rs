@@ -7,7 +7,6 @@ use super::nodes::{Index, NONE, number_vertices, positions};
 use super::raw::Raw;
 use super::{Edges, MeshFile};
 use crate::mesh::midside::Midside;
-use crate::mesh::topology::Connection;
 use crate::mesh::{MeshError, TetMesh, TetMeshParts, Victim, quality, topology};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -45,22 +44,23 @@ pub(super) fn build(path: &Path, format: &'static str, mut raw: Raw, edges: Edge
     notes.extend(flip_if_all_inverted(&points, &mut tets));
     let (regions, region_names) = regions(path, &raw)?;
     let repeated = |cells| repeated(path, cells, &tets, &raw, &vertices);
-    let Connection { faces, parts } = topology::connect(&tets).map_err(repeated)?;
-    let Groups { mut tagged, names: mut groups, ignored, inside } = groups(&raw, &triangles, &faces);
-    add_vertex_sets(sets, points.len(), &faces, &mut tagged, &mut groups);
+    let connection = topology::connect(&tets).map_err(repeated)?;
+    let faces = &connection.faces;
+    let Groups { mut tagged, names: mut groups, ignored, inside } = groups(&raw, &triangles, faces);
+    add_vertex_sets(sets, points.len(), faces, &mut tagged, &mut groups);
     drop(triangles);
     notes.extend(not_on_boundary(ignored, &inside));
     let inner_groups = inside.into_iter().filter(|name| !groups.contains(name)).collect();
-    let (faces, patches) = patches(&faces, &tagged);
+    let (faces, patches) = patches(faces, &tagged);
     let levels = vec![0; tets.len()];
     let lists =
         TetMeshParts { points, tets, regions, levels, faces, region_names, groups, patches, ..Default::default() };
-    let mesh = TetMesh::new(lists).map_err(|error| in_file_ids(path, error, &raw, &vertices))?;
+    let mesh = TetMesh::connected(lists, connection).map_err(|error| in_file_ids(path, error, &raw, &vertices))?;
     if !midsides.is_empty() {
         midsides::check(path, &mesh, &midsides, &raw)?;
     }
     notes.extend(coincident(&mesh));
-    notes.extend(loose_parts(&mesh, parts));
+    notes.extend(loose_parts(&mesh));
     Ok(MeshFile { mesh, format, notes, midsides, inner_groups })
 }
 
@@ -169,7 +169,8 @@ fn coincident(mesh: &TetMesh) -> Option<String> {
 }
 
 /// Says how many parts do not hang together, and where the first five are.
-fn loose_parts(mesh: &TetMesh, (part, count): (Vec<u32>, usize)) -> Option<String> {
+fn loose_parts(mesh: &TetMesh) -> Option<String> {
+    let (part, count) = mesh.connected_parts();
     if count < 2 {
         return None;
     }

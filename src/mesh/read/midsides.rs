@@ -2,11 +2,10 @@
 
 use super::error_at;
 use super::raw::Raw;
-use crate::mesh::midside::{Midside, smallest_jacobian};
+use crate::mesh::midside::{self, Midside};
 use crate::mesh::quality::EDGES;
 use crate::mesh::topology::sorted2;
 use crate::mesh::{MeshError, TetMesh};
-use glam::DVec3;
 use std::path::Path;
 
 /// Distance from the middle over the edge's length from which an edge counts as curved: above the rounding of files that
@@ -63,21 +62,7 @@ pub(super) fn at_edges(
 /// # Errors
 /// [`MeshError::Syntax`] names the worst by the file's ids.
 pub(super) fn check(path: &Path, mesh: &TetMesh, curved: &[Midside], raw: &Raw) -> Result<(), MeshError> {
-    let position = |edge: [u32; 2]| {
-        let [p, q] = edge.map(|v| mesh.points()[v as usize]);
-        curved.binary_search_by_key(&edge, |m| m.edge).map_or(p.midpoint(q), |k| curved[k].position)
-    };
-    let mut folded: Vec<(f64, usize)> = Vec::new();
-    for (t, tet) in mesh.tets().iter().enumerate() {
-        let nodes: [DVec3; 10] = std::array::from_fn(|a| match a {
-            0..4 => mesh.points()[tet[a] as usize],
-            _ => position(sorted2(EDGES[a - 4].map(|i| tet[i]))),
-        });
-        let smallest = smallest_jacobian(&nodes);
-        if smallest.is_nan() || smallest <= 0.0 {
-            folded.push((smallest / mesh.cell_volume(t), t));
-        }
-    }
+    let folded = midside::folded(mesh, curved);
     let Some((ratio, worst)) = folded.iter().copied().min_by(|a, b| a.0.total_cmp(&b.0)) else { return Ok(()) };
     let ids: Vec<String> = folded.iter().take(5).map(|(_, t)| raw.tets.ids.get(*t).to_string()).collect();
     let more = if folded.len() > 5 { ", ..." } else { "" };

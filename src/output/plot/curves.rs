@@ -16,16 +16,23 @@ pub enum Axis {
     Dofs(u8),
     /// Seconds since the start of the run.
     Seconds,
+    /// Most memory held since the start of the run, in megabytes.
+    Memory,
 }
 
-/// Curves of the relative error: for each run its name and, for each step, what was paid and the error (a fraction,
-/// shown in percent). Points that have no logarithm are left out.
+/// Curves of the relative error, `source` of which says whether it is estimated or true: for each run its name and, for each
+/// step, what was paid and the error (a fraction, shown in percent). Points that have no logarithm are left out.
 ///
 /// # Errors
 /// [`OutputError::Write`] names `path`.
-pub fn error_curves(path: &Path, axis: Axis, runs: &[(String, Vec<(f64, f64)>)]) -> Result<(), OutputError> {
+pub fn error_curves(
+    path: &Path,
+    axis: Axis,
+    source: &str,
+    runs: &[(String, Vec<(f64, f64)>)],
+) -> Result<(), OutputError> {
     let runs: Vec<Run<'_>> = runs.iter().map(|(name, points)| Run { name, points: logarithms(points) }).collect();
-    write_svg(path, (900, 620), |page| draw(page, axis, &runs))
+    write_svg(path, (900, 620), |page| draw(page, axis, source, &runs))
 }
 
 /// A curve in decimal logarithms; the error in percent.
@@ -39,17 +46,18 @@ fn logarithms(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     points.filter(|(x, y)| x.is_finite() && y.is_finite()).collect()
 }
 
-fn draw(page: &Area<'_>, axis: Axis, runs: &[Run<'_>]) -> Result<(), Box<dyn std::error::Error>> {
+fn draw(page: &Area<'_>, axis: Axis, source: &str, runs: &[Run<'_>]) -> Result<(), Box<dyn std::error::Error>> {
     let all = || runs.iter().flat_map(|r| &r.points);
     let reference = match axis {
         Axis::Dofs(degree) => reference(all().copied(), degree),
-        Axis::Seconds => Vec::new(),
+        Axis::Seconds | Axis::Memory => Vec::new(),
     };
     let x = padded(all().map(|p| p.0));
     let y = padded(all().chain(&reference).map(|p| p.1));
     let (title, x_label) = match axis {
         Axis::Dofs(_) => ("Error against degrees of freedom", "degrees of freedom"),
         Axis::Seconds => ("Error against time", "seconds since the start"),
+        Axis::Memory => ("Error against memory", "most memory held since the start, MB"),
     };
     let mut chart = ChartBuilder::on(page)
         .margin(16)
@@ -66,7 +74,7 @@ fn draw(page: &Area<'_>, axis: Axis, runs: &[Run<'_>]) -> Result<(), Box<dyn std
         .x_label_formatter(&|x| ticks::number(10_f64.powf(*x)))
         .y_label_formatter(&|y| ticks::number(10_f64.powf(*y)))
         .x_desc(x_label)
-        .y_desc("estimated relative error, %")
+        .y_desc(format!("{source} relative error, %"))
         .draw()?;
     if let (Axis::Dofs(degree), [_, ..]) = (axis, &reference[..]) {
         chart

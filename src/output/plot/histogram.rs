@@ -88,10 +88,15 @@ fn decades(logarithms: impl Iterator<Item = f64>) -> Range<f64> {
 
 /// Smallest, median and largest value.
 fn summary(values: &[f64]) -> [f64; 3] {
-    let mut sorted = values.to_vec();
-    sorted.sort_unstable_by(f64::total_cmp);
-    let at = |i: usize| sorted.get(i).copied().unwrap_or(f64::NAN);
-    [at(0), at(sorted.len() / 2), at(sorted.len().saturating_sub(1))]
+    if values.is_empty() {
+        return [f64::NAN; 3];
+    }
+    let mut values = values.to_vec();
+    let middle = values.len() / 2;
+    let (below, median, above) = values.select_nth_unstable_by(middle, f64::total_cmp);
+    let median = *median;
+    let least = below.iter().copied().min_by(f64::total_cmp).unwrap_or(median);
+    [least, median, above.iter().copied().max_by(f64::total_cmp).unwrap_or(median)]
 }
 
 /// Percentage of the values in each bin; values outside the range count in the bin at that end.
@@ -182,6 +187,13 @@ mod tests {
         let percent = shares(&[f64::NEG_INFINITY, -1.0, 0.5, 1.0, 3.999, 4.0, 9.0, 2.5], &frame);
         assert_eq!(percent, [37.5, 12.5, 12.5, 37.5]);
         assert_eq!(shares(&[], &frame), [0.0; 4]);
+    }
+
+    #[test]
+    fn a_summary_is_that_of_the_sorted_values() {
+        assert_eq!(summary(&[3.0, 1.0, 5.0, 2.0]), [1.0, 3.0, 5.0]);
+        assert_eq!(summary(&[4.0]), [4.0; 3]);
+        assert!(summary(&[])[1].is_nan());
     }
 
     #[test]

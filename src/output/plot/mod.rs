@@ -19,15 +19,16 @@ use std::path::Path;
 /// Where we draw.
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// Distinguishable with every kind of colour vision: blue, vermillion, green, purple, orange, sky blue (Okabe and Ito
-/// 2008).
-const COLOURS: [RGBColor; 6] = [
+/// Distinguishable with every kind of colour vision: blue, vermillion, green, purple, orange, sky blue, black (Okabe and
+/// Ito 2008).
+const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
     RGBColor(204, 121, 167),
     RGBColor(230, 159, 0),
     RGBColor(86, 180, 233),
+    RGBColor(0, 0, 0),
 ];
 const GREY: RGBColor = RGBColor(110, 110, 110);
 const PALE: RGBColor = RGBColor(225, 225, 225);

@@ -1,7 +1,7 @@
 //! Tables of named quantities.
 
 use super::super::report::{Report, StepRecord};
-use super::{figures, percent, table, text};
+use super::{figures, percent, short, table, text};
 
 /// Figures printed of a quantity.
 const FIGURES: usize = 6;
@@ -38,8 +38,14 @@ pub fn expectations(report: &Report) -> String {
         } else {
             format!("{} %", percent(e.allowed / e.expected.abs()))
         };
-        let verdict = if e.passed { "pass" } else { "FAIL" };
         let [value, expected] = [e.value, e.expected].map(|x| figures(x, FIGURES));
+        let (expected, share, allowed) = match e.between {
+            Some([low, high]) => {
+                (format!("{} to {}", short(low, FIGURES), short(high, FIGURES)), String::new(), String::new())
+            }
+            None => (expected, share, allowed),
+        };
+        let verdict = if e.passed { "pass" } else { "FAIL" };
         rows.add_row([name.clone(), value, expected, share, allowed, verdict.to_owned()]);
     }
     text(rows) + "\n"

@@ -19,9 +19,6 @@ use super::smooth::Smoother;
 /// Steps of the smoother a visit: more of them equalise the cells at a vertex at the expense of their mean.
 const STEPS: usize = 2;
 
-/// Cells whose smallest angle is this many degrees below the target are repaired at any price.
-const REPAIR_BELOW: f64 = 5.0;
-
 /// No cell is pushed below this many degrees under the target for the sake of the mean.
 const MEAN_BELOW: f64 = 4.0;
 
@@ -79,7 +76,7 @@ impl Quality {
         let sine = |degrees: f64| degrees.clamp(1.0, 60.0).to_radians().sin();
         Self {
             goal: sine(options.target_angle),
-            repair: sine(options.target_angle - REPAIR_BELOW),
+            repair: sine(options.repair_angle()),
             mean_floor: sine(options.target_angle - MEAN_BELOW),
             limit: options.valence_limit,
             rounding: 4.0 * f64::EPSILON * solid.largest_coordinate(),

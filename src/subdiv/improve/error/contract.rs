@@ -2,7 +2,8 @@
 
 use super::super::parallel::{select, vertices_of};
 use super::super::rest_of;
-use super::weight;
+use super::mean;
+use super::weight::Weight;
 use super::weighted::Fan;
 use crate::subdiv::solid::Solid;
 use smallvec::SmallVec;
@@ -16,16 +17,16 @@ const NEAREST: usize = 4;
 
 /// Removes vertices with numbers from `first` on where that raises the weighted cost by less than `price`, and leaves no
 /// cell below both `floor` and the worst of those that go; returns how many went.
-pub(super) fn contract(
+pub(super) fn contract<W: Weight>(
     solid: &mut Solid,
-    weights: &[f64],
+    weights: &[W],
     since: u32,
     first: u32,
     (price, floor): (f64, f64),
 ) -> usize {
     let mut vertices = vertices_of(solid, solid.cells_since(since));
     vertices.retain(|&v| v >= first && solid.is_interior(v));
-    let target = |fan: &mut Fan, solid: &Solid, v| cheapest(fan, solid, weights, v, (price, floor));
+    let target = |fan: &mut Fan<W>, solid: &Solid, v| cheapest(fan, solid, weights, v, (price, floor));
     let mut fan = Fan::default();
     let mut gone = 0;
     for v in select(vertices, |fan, &v| target(fan, solid, v).is_some()) {
@@ -41,7 +42,13 @@ pub(super) fn contract(
 ///
 /// The cells around v fill a polyhedron; those that come fill it too if they are all positive, so the mesh stays
 /// conforming.
-fn cheapest(fan: &mut Fan, solid: &Solid, weights: &[f64], v: u32, (price, floor): (f64, f64)) -> Option<u32> {
+fn cheapest<W: Weight>(
+    fan: &mut Fan<W>,
+    solid: &Solid,
+    weights: &[W],
+    v: u32,
+    (price, floor): (f64, f64),
+) -> Option<u32> {
     gather(fan, solid, weights, v, v);
     let now = fan.cost_and_sine(solid.point(v)).0;
     if now > DEAR * price {
@@ -72,13 +79,13 @@ fn nearest(solid: &Solid, v: u32) -> SmallVec<[u32; 64]> {
 }
 
 /// Collects the cells at `v`, except those at `b` too, with the weights that they have once `v` is pulled into `b`.
-fn gather(fan: &mut Fan, solid: &Solid, weights: &[f64], v: u32, b: u32) {
+fn gather<W: Weight>(fan: &mut Fan<W>, solid: &Solid, weights: &[W], v: u32, b: u32) {
     fan.clear();
     for &t in solid.cells_at(v) {
         let tet = solid.tet(t);
         if b == v || !tet.contains(&b) {
             let new = tet.map(|w| if w == v { b } else { w });
-            fan.push(rest_of(tet, v).map(|w| solid.point(w)), weight(weights, new));
+            fan.push(rest_of(tet, v).map(|w| solid.point(w)), mean(weights, new));
         }
     }
 }

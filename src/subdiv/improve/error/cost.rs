@@ -16,26 +16,30 @@ use super::super::lanes::least;
 use glam::DVec3;
 
 /// The cost of the tetrahedron; infinite unless its volume is positive.
-pub fn cost([p, a, b, c]: [DVec3; 4]) -> f64 {
-    Shape::new([a - p, b - p, c - p]).cost()
+pub fn cost(points: [DVec3; 4]) -> f64 {
+    Shape::of(points).cost()
 }
 
 /// A tetrahedron by its edges from one vertex, positive if their triple product is.
 pub(super) struct Shape {
-    edges: [DVec3; 3],
+    pub(super) edges: [DVec3; 3],
     /// Six times the volume.
     pub(super) six_volumes: f64,
     /// A_11, A_22, A_33.
-    squares: [f64; 3],
+    pub(super) squares: [f64; 3],
     /// A_23, A_13, A_12: the product without the first, second, third edge.
-    products: [f64; 3],
+    pub(super) products: [f64; 3],
     /// B_11, B_22, B_33: the squared lengths of the normals of the faces at the vertex.
-    normals: [f64; 3],
+    pub(super) normals: [f64; 3],
     /// B_23, B_13, B_12.
-    cofactors: [f64; 3],
+    pub(super) cofactors: [f64; 3],
 }
 
 impl Shape {
+    pub(super) fn of([p, a, b, c]: [DVec3; 4]) -> Self {
+        Self::new([a - p, b - p, c - p])
+    }
+
     #[inline(always)]
     pub(super) fn new(edges: [DVec3; 3]) -> Self {
         let [e, f, g] = edges;
@@ -113,15 +117,15 @@ impl Shape {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::mesh::quality;
 
-    const CELL: [DVec3; 4] =
+    pub(in super::super) const CELL: [DVec3; 4] =
         [DVec3::new(-0.2, 0.1, 0.05), DVec3::new(1.0, 0.1, 0.2), DVec3::new(0.3, 1.1, -0.1), DVec3::new(0.2, 0.4, 0.9)];
 
     /// Integral of |grad(q - I q)|^2 for q = x.H.x / 2 by a rule exact for quadratics.
-    fn exact_error(x: [DVec3; 4], h: glam::DMat3) -> f64 {
+    pub(in super::super) fn exact_error(x: [DVec3; 4], h: glam::DMat3) -> f64 {
         let six_volumes = 6.0 * quality::volume(x);
         let normals = quality::face_normals(x);
         let value = |p: DVec3| 0.5 * p.dot(h * p);

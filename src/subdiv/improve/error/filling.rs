@@ -1,7 +1,8 @@
 //! The filling of an edge's ring without the edge that costs least: Klincsek's dynamic program over the triangulations of
 //! the link polygon (see [`super::super::edge_removal`]), with the cells of all polygons of one size evaluated at once.
 
-use super::weight;
+use super::mean;
+use super::weight::Weight;
 use super::weighted::Batch;
 use crate::subdiv::solid::{Ring, Solid};
 
@@ -12,22 +13,27 @@ const LONGEST_RING: usize = 32;
 const NONE: usize = usize::MAX;
 
 /// Work space of the dynamic program, kept between calls.
-#[derive(Default)]
-pub(super) struct Filling {
+pub(super) struct Filling<W: Weight> {
     size: usize,
     /// Least cost of the polygon from i to j, and the vertex that makes the triangle with its chord.
     best: Vec<(f64, usize)>,
     candidates: Vec<[usize; 3]>,
-    cells: Batch,
+    cells: Batch<W>,
 }
 
-impl Filling {
+impl<W: Weight> Default for Filling<W> {
+    fn default() -> Self {
+        Self { size: 0, best: Vec::new(), candidates: Vec::new(), cells: Batch::default() }
+    }
+}
+
+impl<W: Weight> Filling<W> {
     /// Finds the filling of the ring of `edge` that costs least; true if it costs less than `share` of what the ring
     /// costs now and has no sine below both `floor` and the smallest of the ring.
     pub(super) fn solve(
         &mut self,
         solid: &Solid,
-        weights: &[f64],
+        weights: &[W],
         edge: [u32; 2],
         ring: &Ring,
         (share, floor): (f64, f64),
@@ -51,17 +57,17 @@ impl Filling {
         self.best[n - 1].1 != NONE
     }
 
-    fn cost_of(&mut self, solid: &Solid, weights: &[f64], cells: &[u32]) -> f64 {
+    fn cost_of(&mut self, solid: &Solid, weights: &[W], cells: &[u32]) -> f64 {
         self.cells.clear();
         for &t in cells {
-            self.cells.push(solid.cell_points(t), weight(weights, solid.tet(t)));
+            self.cells.push(solid.cell_points(t), mean(weights, solid.tet(t)));
         }
         self.cells.evaluate();
         (0..cells.len()).map(|i| self.cells.result(i).0).sum()
     }
 
     /// Evaluates the two cells of each triangle (i, k, j) with j = i + span whose sides do not cost too much already.
-    fn gather(&mut self, solid: &Solid, weights: &[f64], [a, b]: [u32; 2], link: &[u32], span: usize, bound: f64) {
+    fn gather(&mut self, solid: &Solid, weights: &[W], [a, b]: [u32; 2], link: &[u32], span: usize, bound: f64) {
         self.candidates.clear();
         self.cells.clear();
         for i in 0..self.size - span {
@@ -71,7 +77,7 @@ impl Filling {
                     self.candidates.push([i, k, j]);
                     let [vi, vk, vj] = [link[i], link[k], link[j]];
                     for tet in [[vi, vk, vj, b], [vi, vj, vk, a]] {
-                        self.cells.push(tet.map(|v| solid.point(v)), weight(weights, tet));
+                        self.cells.push(tet.map(|v| solid.point(v)), mean(weights, tet));
                     }
                 }
             }

@@ -1,28 +1,36 @@
 //! The error-driven optimiser: for analysis, the mesh on which a quadratic displacement is interpolated best.
 //!
-//! It lowers the sum over the cells of weight times [`cost::cost`], the expected interpolation error of a random
-//! quadratic. The weights come from an error estimate, so that accuracy is bought where it pays. Moves: edge removal (at
+//! It lowers the sum over the cells of the expected interpolation error of a random quadratic, without a direction
+//! ([`cost::cost`] times a weight) or with one ([`directional`]). The weights come from an error estimate, so that accuracy
+//! is bought where it pays. Moves: edge removal (at
 //! flat boundary edges too), vertex moves (boundary vertices slide in their plane or along their crease), contraction of
 //! interior vertices that are not worth their price. The worst angle is a floor only: no move makes a cell below the floor
 //! that was not.
 
 mod contract;
 mod cost;
+mod directional;
 mod filling;
 mod relocate;
+mod weight;
 mod weighted;
+mod weights;
 
 use super::edge_removal::{cells_of, may_replace, replace_ring};
 use super::freedom::freedoms;
 use super::is_removable;
 use super::parallel::{select, sweep, vertices_of};
-use crate::mesh::{TetMesh, topology};
+use crate::mesh::{MeshError, topology};
 use crate::subdiv::solid::Solid;
 use contract::contract;
+use cost::Shape;
 pub use cost::cost;
 use filling::Filling;
 use rayon::prelude::*;
+pub use weight::Directions;
+use weight::Weight;
 use weighted::Fan;
+pub use weights::Weights;
 
 /// Sine of 15 degrees: cells at least this good stay so.
 const FLOOR: f64 = 0.258_819_045_102_520_74;
@@ -30,29 +38,48 @@ const FLOOR: f64 = 0.258_819_045_102_520_74;
 /// Least share by which a change of topology must lower the cost.
 const GAIN: f64 = 1e-3;
 
-/// Weights of the vertices on `mesh` from a squared error in each cell: at a vertex the error of the cells around it
-/// over their cost. Where the error is spread as the cost would have it, all weights are equal.
-pub fn vertex_weights(mesh: &TetMesh, squared_errors: &[f64]) -> Vec<f64> {
-    let mut sums = vec![(0.0, 0.0); mesh.points().len()];
-    for (t, tet) in mesh.tets().iter().enumerate() {
-        let cost = cost(mesh.cell_points(t));
-        for v in tet {
-            let (error, total) = &mut sums[*v as usize];
-            *error += squared_errors[t];
-            *total += cost;
-        }
-    }
-    sums.into_iter().map(|(error, total)| if total > 0.0 { error / total } else { 0.0 }).collect()
-}
+/// Least weight of a vertex, as a share of the mean.
+const LEAST_WEIGHT: f64 = 1e-6;
 
 /// Weight of a cell: the mean of those of its vertices.
-fn weight(weights: &[f64], tet: [u32; 4]) -> f64 {
-    0.25 * tet.iter().map(|&v| weights[v as usize]).sum::<f64>()
+fn mean<W: Weight>(weights: &[W], tet: [u32; 4]) -> W {
+    let [a, b, c, d] = tet.map(|v| weights[v as usize]);
+    (a + b + c + d) * 0.25
 }
 
-/// Lowers the weighted cost of the mesh by up to `passes` passes; `weights` has one positive entry a vertex. Each pass
-/// after the first looks only at what the pass before changed. Vertices with numbers from `first` on may go.
-pub(crate) fn optimise_error(solid: &mut Solid, weights: &[f64], passes: usize, first: u32) {
+/// Weighted cost of a cell.
+fn weighted_cost<W: Weight>(weights: &[W], solid: &Solid, t: u32) -> f64 {
+    let mut block = W::Block::default();
+    mean(weights, solid.tet(t)).put(&mut block, 0);
+    W::cost(&Shape::of(solid.cell_points(t)), &block, 0)
+}
+
+/// Lowers the weighted cost of the mesh by up to `passes` passes. Vertices with numbers from `first` on may go.
+///
+/// # Errors
+/// [`MeshError::Inconsistent`] if there is not one weight a vertex, or one is negative or not finite.
+pub(crate) fn optimise_error(solid: &mut Solid, weights: &Weights, passes: usize, first: u32) -> Result<(), MeshError> {
+    match weights {
+        Weights::Factors(weights) => optimise(solid, &checked(weights, solid.point_count())?, passes, first),
+        Weights::Directions(weights) => optimise(solid, &checked(weights, solid.point_count())?, passes, first),
+    }
+    Ok(())
+}
+
+/// The weights, all positive: a vertex without weight could go anywhere, a small one keeps its cells in shape.
+fn checked<W: Weight>(weights: &[W], vertices: usize) -> Result<Vec<W>, MeshError> {
+    if weights.len() != vertices {
+        return Err(MeshError::Inconsistent(format!("{} weights for {vertices} vertices", weights.len())));
+    }
+    if let Some(v) = weights.iter().position(|w| !w.is_sound()) {
+        return Err(MeshError::Inconsistent(format!("the weight of vertex {v} is negative or not finite")));
+    }
+    let least = LEAST_WEIGHT * weights.iter().map(|w| w.size()).sum::<f64>() / weights.len().max(1) as f64;
+    Ok(weights.iter().map(|w| w.raised(least.max(f64::MIN_POSITIVE))).collect())
+}
+
+/// Each pass after the first looks only at what the pass before changed.
+fn optimise<W: Weight>(solid: &mut Solid, weights: &[W], passes: usize, first: u32) {
     let freedoms = freedoms(solid);
     let rounding = 4.0 * f64::EPSILON * solid.largest_coordinate();
     let mut since = 0;
@@ -62,7 +89,7 @@ pub(crate) fn optimise_error(solid: &mut Solid, weights: &[f64], passes: usize, 
         let gone = contract(solid, weights, since, first, (price_of_a_vertex(solid, weights), FLOOR));
         let vertices = vertices_of(solid, solid.cells_since(since));
         let propose =
-            |fan: &mut Fan, solid: &Solid, v, freedom| relocate::better(fan, solid, weights, v, freedom, FLOOR);
+            |fan: &mut Fan<W>, solid: &Solid, v, freedom| relocate::better(fan, solid, weights, v, freedom, FLOOR);
         let moved = sweep(solid, &freedoms, vertices, Fan::default, propose);
         if removed + gone + moved == 0 {
             break;
@@ -75,21 +102,21 @@ pub(crate) fn optimise_error(solid: &mut Solid, weights: &[f64], passes: usize, 
 ///
 /// With N vertices the squared error of linear elements falls as `W ~ N^(-2/3)` on meshes of one kind, so a mesh is
 /// better than another if its `W N^(2/3)` is smaller: a vertex must lower W by `2/3 W / N`.
-fn price_of_a_vertex(solid: &Solid, weights: &[f64]) -> f64 {
+fn price_of_a_vertex<W: Weight>(solid: &Solid, weights: &[W]) -> f64 {
     let cells: Vec<u32> = solid.live_cells().collect();
     // Sums of fixed blocks: they do not depend on the threads.
-    let cost = |t: &u32| weight(weights, solid.tet(*t)) * cost(solid.cell_points(*t));
+    let cost = |t: &u32| weighted_cost(weights, solid, *t);
     let sums: Vec<f64> = cells.par_chunks(1024).map(|block| block.iter().map(cost).sum()).collect();
     let used = (0..solid.point_count() as u32).filter(|&v| !solid.cells_at(v).is_empty()).count();
     2.0 / 3.0 * sums.iter().sum::<f64>() / used.max(1) as f64
 }
 
 /// Removes the edges whose rings cost less without them; returns how many.
-fn remove_edges(solid: &mut Solid, weights: &[f64], since: u32, rounding: f64) -> usize {
+fn remove_edges<W: Weight>(solid: &mut Solid, weights: &[W], since: u32, rounding: f64) -> usize {
     let mut edges: Vec<[u32; 2]> = solid.cells_since(since).flat_map(|t| topology::tet_edges(solid.tet(t))).collect();
     edges.par_sort_unstable();
     edges.dedup();
-    let cheaper = |filling: &mut Filling, solid: &Solid, edge: [u32; 2]| {
+    let cheaper = |filling: &mut Filling<W>, solid: &Solid, edge: [u32; 2]| {
         let ring = solid.ring(edge[0], edge[1]).filter(|ring| is_removable(solid, edge, ring, rounding))?;
         let found = may_replace(solid, edge, &ring) && filling.solve(solid, weights, edge, &ring, (1.0 - GAIN, FLOOR));
         found.then_some(ring)

@@ -3,7 +3,8 @@
 use super::super::super::solid::Solid;
 use super::super::freedom::Freedom;
 use super::super::rest_of;
-use super::weight;
+use super::mean;
+use super::weight::Weight;
 use super::weighted::Fan;
 use glam::{DMat3, DVec3};
 
@@ -11,20 +12,20 @@ use glam::{DMat3, DVec3};
 const GAIN: f64 = 1e-3;
 
 /// Collects the cells at `v`.
-fn gather(fan: &mut Fan, solid: &Solid, weights: &[f64], v: u32) {
+fn gather<W: Weight>(fan: &mut Fan<W>, solid: &Solid, weights: &[W], v: u32) {
     fan.clear();
     for &t in solid.cells_at(v) {
         let tet = solid.tet(t);
-        fan.push(rest_of(tet, v).map(|w| solid.point(w)), weight(weights, tet));
+        fan.push(rest_of(tet, v).map(|w| solid.point(w)), mean(weights, tet));
     }
 }
 
 /// Where vertex `v` should move: one damped Newton step within its freedom, if that lowers the cost and leaves no cell
 /// below `floor` that was not.
-pub(super) fn better(
-    fan: &mut Fan,
+pub(super) fn better<W: Weight>(
+    fan: &mut Fan<W>,
     solid: &Solid,
-    weights: &[f64],
+    weights: &[W],
     v: u32,
     freedom: Freedom,
     floor: f64,
@@ -54,7 +55,7 @@ fn shortest_edge(solid: &Solid, v: u32) -> f64 {
 }
 
 /// The cost at `start`, its gradient, and its Hessian from differences of the gradient over the distance `h`.
-fn model(fan: &Fan, start: DVec3, h: f64) -> (f64, DVec3, DMat3) {
+fn model<W: Weight>(fan: &Fan<W>, start: DVec3, h: f64) -> (f64, DVec3, DMat3) {
     let [(cost, gradient), x, y, z] =
         fan.gradients([start, start + h * DVec3::X, start + h * DVec3::Y, start + h * DVec3::Z]);
     let hessian = DMat3::from_cols((x.1 - gradient) / h, (y.1 - gradient) / h, (z.1 - gradient) / h);

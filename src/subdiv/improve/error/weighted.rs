@@ -2,52 +2,63 @@
 
 use super::super::lanes::{Block, Blocks, LANES, Lanes, least};
 use super::cost::Shape;
+use super::weight::Weight;
 use glam::DVec3;
 use pulp::Arch;
 
 /// Blocks of cells with a weight each; lanes that hold no cell have none.
-#[derive(Default)]
-struct Weighted {
+struct Weighted<W: Weight> {
     blocks: Blocks,
-    weights: Vec<Lanes>,
+    weights: Vec<W::Block>,
 }
 
-impl Weighted {
+impl<W: Weight> Default for Weighted<W> {
+    fn default() -> Self {
+        Self { blocks: Blocks::default(), weights: Vec::new() }
+    }
+}
+
+impl<W: Weight> Weighted<W> {
     fn clear(&mut self) {
         self.blocks.clear();
         self.weights.clear();
     }
 
-    fn push(&mut self, corners: [DVec3; 3], weight: f64) {
+    fn push(&mut self, corners: [DVec3; 3], weight: W) {
         let lane = self.blocks.len() % LANES;
         self.blocks.push(corners);
         if lane == 0 {
-            self.weights.push([0.0; LANES]);
+            self.weights.push(W::Block::default());
         }
         if let Some(weights) = self.weights.last_mut() {
-            weights[lane] = weight;
+            weight.put(weights, lane);
         }
     }
 
     #[inline(always)]
-    fn iter(&self) -> impl Iterator<Item = (&Block, &Lanes)> {
+    fn iter(&self) -> impl Iterator<Item = (&Block, &W::Block)> {
         self.blocks.iter().zip(&self.weights)
     }
 }
 
 /// Weighted cells around one vertex, whose place is varied.
-#[derive(Default)]
-pub(super) struct Fan {
-    cells: Weighted,
+pub(super) struct Fan<W: Weight> {
+    cells: Weighted<W>,
 }
 
-impl Fan {
+impl<W: Weight> Default for Fan<W> {
+    fn default() -> Self {
+        Self { cells: Weighted::default() }
+    }
+}
+
+impl<W: Weight> Fan<W> {
     pub(super) fn clear(&mut self) {
         self.cells.clear();
     }
 
     /// Adds a cell by its corners other than the vertex, in the order that makes (vertex, corners) positive.
-    pub(super) fn push(&mut self, corners: [DVec3; 3], weight: f64) {
+    pub(super) fn push(&mut self, corners: [DVec3; 3], weight: W) {
         self.cells.push(corners, weight);
     }
 
@@ -73,31 +84,31 @@ impl Fan {
 }
 
 #[inline(always)]
-fn gradient(cells: &Weighted, p: DVec3) -> (f64, DVec3) {
-    let mut sums = [[0.0; LANES]; 4];
+fn gradient<W: Weight>(cells: &Weighted<W>, p: DVec3) -> (f64, DVec3) {
+    let (mut costs, mut x, mut y, mut z) = ([0.0; LANES], [0.0; LANES], [0.0; LANES], [0.0; LANES]);
     for (block, weights) in cells.iter() {
         for lane in 0..LANES {
             let shape = Shape::new(block.corners(lane).map(|q| q - p));
-            let (weight, gradient) = (weights[lane], shape.gradient());
-            sums[0][lane] += weight * shape.cost();
-            sums[1][lane] += weight * gradient.x;
-            sums[2][lane] += weight * gradient.y;
-            sums[3][lane] += weight * gradient.z;
+            let gradient = W::gradient(&shape, weights, lane);
+            costs[lane] += W::cost(&shape, weights, lane);
+            x[lane] += gradient.x;
+            y[lane] += gradient.y;
+            z[lane] += gradient.z;
         }
     }
-    let [cost, x, y, z] = sums.map(|s| s.iter().sum::<f64>());
+    let [cost, x, y, z] = [costs, x, y, z].map(|s| s.iter().sum::<f64>());
     (cost, DVec3::new(x, y, z))
 }
 
 #[inline(always)]
-fn cost_and_sine(cells: &Weighted, p: DVec3) -> (f64, f64) {
+fn cost_and_sine<W: Weight>(cells: &Weighted<W>, p: DVec3) -> (f64, f64) {
     let (mut sums, mut smallest) = ([0.0; LANES], [f64::INFINITY; LANES]);
     let mut flat = [false; LANES];
     for (block, weights) in cells.iter() {
         for lane in 0..LANES {
             let shape = Shape::new(block.corners(lane).map(|q| q - p));
             let (volume, sine) = (shape.six_volumes, shape.squared_sine());
-            sums[lane] += weights[lane] * shape.cost();
+            sums[lane] += W::cost(&shape, weights, lane);
             smallest[lane] = least(sine, smallest[lane]);
             flat[lane] |= volume <= 0.0;
         }
@@ -107,22 +118,27 @@ fn cost_and_sine(cells: &Weighted, p: DVec3) -> (f64, f64) {
 }
 
 /// Cells of any corners, each with its own result.
-#[derive(Default)]
-pub(super) struct Batch {
+pub(super) struct Batch<W: Weight> {
     first: Vec<[Lanes; 3]>,
-    rest: Weighted,
+    rest: Weighted<W>,
     /// Weighted costs and squared sines.
     results: Vec<[Lanes; 2]>,
 }
 
-impl Batch {
+impl<W: Weight> Default for Batch<W> {
+    fn default() -> Self {
+        Self { first: Vec::new(), rest: Weighted::default(), results: Vec::new() }
+    }
+}
+
+impl<W: Weight> Batch<W> {
     pub(super) fn clear(&mut self) {
         self.first.clear();
         self.rest.clear();
     }
 
     /// Adds a cell.
-    pub(super) fn push(&mut self, [p, corners @ ..]: [DVec3; 4], weight: f64) {
+    pub(super) fn push(&mut self, [p, corners @ ..]: [DVec3; 4], weight: W) {
         let lane = self.rest.blocks.len() % LANES;
         if lane == 0 {
             self.first.push(p.to_array().map(|x| [x; LANES]));
@@ -146,7 +162,7 @@ impl Batch {
                     for lane in 0..LANES {
                         let p = DVec3::new(first[0][lane], first[1][lane], first[2][lane]);
                         let shape = Shape::new(block.corners(lane).map(|q| q - p));
-                        result[0][lane] = weights[lane] * shape.cost();
+                        result[0][lane] = W::cost(&shape, weights, lane);
                         result[1][lane] = shape.squared_sine();
                     }
                 }

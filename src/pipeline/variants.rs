@@ -1,0 +1,148 @@
+//! `subsolid compare --schemes` and `--variant`: one problem under several choices, on equal terms.
+
+use super::doubts::ending;
+use super::leftovers::{self, is_name};
+use super::passes::{self, Contestant};
+use super::resolve::Resolved;
+use super::results::write_text;
+use super::run::{plot_curves, prepare, warnings};
+use super::{RunOptions, print};
+use crate::error::Error;
+use crate::fem::options::Element;
+use crate::output::atomic::ensure_writable_dir;
+use crate::output::report::write_json;
+use crate::output::table;
+use crate::output::variants::Variants;
+use crate::scenario::{MAX_STEPS, Scenario, Stop};
+use std::str::FromStr;
+
+/// A name, and the keys of the scenario that it overrides.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Variant {
+    /// Names its row, its curve and its folder.
+    pub name: String,
+    /// As `--set` takes them.
+    pub set: Vec<String>,
+}
+
+/// The schemes, each plain and with the error-driven optimiser: name, scheme, strategy, optimiser.
+const SCHEMES: [(&str, &str, &str, &str); 7] = [
+    ("sqrt3-paper", "sqrt3", "adaptive", "{ mode = \"paper\" }"),
+    ("sqrt3-quality", "sqrt3", "adaptive", "{ mode = \"best\", objective = \"quality\" }"),
+    ("sqrt3-error", "sqrt3", "adaptive", "{ mode = \"best\", objective = \"error\" }"),
+    ("bisection", "longest-edge", "adaptive", "{ mode = \"paper\" }"),
+    ("bisection-error", "longest-edge", "adaptive", "{ mode = \"best\", objective = \"error\" }"),
+    ("red", "red", "global", "{ mode = \"paper\" }"),
+    ("red-error", "red", "global", "{ mode = \"best\", objective = \"error\" }"),
+];
+
+/// The subdivision schemes with and without the error-driven optimiser: sqrt(3) as published, optimised for its angles, and
+/// for the error; longest-edge bisection and uniform red refinement plain and optimised for the error. Their steps differ in
+/// size, so where the scenario has a stop rule that alone ends the runs.
+#[must_use]
+pub fn schemes(scenario: &Scenario) -> Vec<Variant> {
+    let limited = scenario.refine.stop != Stop::default();
+    let variant = |(name, scheme, strategy, optimise): (&str, &str, &str, &str)| {
+        let mut set = vec![
+            format!("refine.scheme=\"{scheme}\""),
+            format!("refine.strategy=\"{strategy}\""),
+            format!("refine.optimise={optimise}"),
+        ];
+        set.extend(limited.then(|| format!("refine.steps={MAX_STEPS}")));
+        Variant { name: name.to_owned(), set }
+    };
+    SCHEMES.map(variant).into()
+}
+
+impl FromStr for Variant {
+    type Err = String;
+
+    /// `NAME: KEY=VALUE; KEY=VALUE; ...`, or the name alone for the scenario as it is.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (name, keys) = text.split_once(':').unwrap_or((text, ""));
+        let name = name.trim().to_owned();
+        if !is_name(&name) {
+            return Err("expected NAME: KEY=VALUE; KEY=VALUE with a name of letters, digits, - and _".to_owned());
+        }
+        let keys = keys.split(';').map(str::trim).filter(|key| !key.is_empty());
+        Ok(Self { name, set: keys.map(str::to_owned).collect() })
+    }
+}
+
+/// A variant ready to run.
+struct Entry<'a> {
+    variant: &'a Variant,
+    scenario: Scenario,
+    problem: Resolved,
+}
+
+/// Runs the variants of a scenario one after the other and writes their results, and what each paid for the error that all
+/// reach. Short runs are repeated as [`super::compare::compare`] does.
+///
+/// # Errors
+/// [`Error`] with its exit code, as [`super::run::run`]; [`Error::Variants`] for two of one name.
+pub fn compare(scenario: &Scenario, variants: &[Variant], options: &RunOptions, repeat: usize) -> Result<(), Error> {
+    let mut names: Vec<&str> = variants.iter().map(|v| v.name.as_str()).collect();
+    names.sort_unstable();
+    if let Some(twice) = names.windows(2).find(|two| two[0] == two[1]) {
+        return Err(Error::Variants { name: twice[0].to_owned() });
+    }
+    let entries = variants.iter().map(|v| entry(scenario, v, options)).collect::<Result<Vec<Entry<'_>>, Error>>()?;
+    let folder = options.folder(scenario);
+    ensure_writable_dir(&folder)?;
+    leftovers::for_comparison(&folder, &names, scenario)?;
+    let runs: Vec<Contestant<'_>> = entries.iter().map(Entry::contestant).collect();
+    let reports = passes::reports(scenario, &runs, options, repeat)?;
+    let rows: Vec<_> =
+        entries.iter().zip(&reports).map(|(e, report)| (e.variant.name.as_str(), &e.variant.set[..], report)).collect();
+    let result = Variants::of(&rows);
+    let degree = if scenario.element == Element::Tet4 { 1 } else { 2 };
+    let text = table::units(&scenario.units) + &table::variants(&result, degree);
+    write_json(&folder.join("compare.json"), &result)?;
+    write_text(&folder.join("compare.txt"), &text)?;
+    let curves: Vec<_> = rows.iter().map(|(name, _, report)| (*name, *report)).collect();
+    plot_curves(&folder, scenario.element, &curves)?;
+    if let Some(path) = &options.json {
+        write_json(path, &result)?;
+    }
+    if !options.quiet {
+        let mut doubts = String::new();
+        for (entry, report) in entries.iter().zip(&reports) {
+            let name = &entry.variant.name;
+            doubts += &warnings(&format!("{name}, "), report);
+            doubts += &format!("{name}: {}\n", ending(&entry.scenario, entry.scenario.refine.strategy, report));
+        }
+        print(&format!("{text}\n{doubts}results in {}\n", folder.display()))?;
+    }
+    Ok(())
+}
+
+/// Reads the scenario anew with the overrides of a variant; what it says is said once, by the first.
+fn entry<'a>(scenario: &Scenario, variant: &'a Variant, options: &RunOptions) -> Result<Entry<'a>, Error> {
+    let set = [&scenario.overrides[..], &variant.set].concat();
+    let scenario = Scenario::from_file(&scenario.path, &set)?;
+    let problem = prepare(&scenario, &RunOptions { quiet: true, ..options.clone() })?;
+    Ok(Entry { variant, scenario, problem })
+}
+
+impl Entry<'_> {
+    fn contestant(&self) -> Contestant<'_> {
+        let Self { variant, scenario, problem } = self;
+        Contestant { name: &variant.name, scenario, problem, strategy: scenario.refine.strategy }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn variants_are_read_and_names_that_are_no_folders_refused() {
+        let read: Variant = "coarse: mesh.box.cells=[1, 1, 1]; refine.steps=2".parse().unwrap();
+        assert_eq!((read.name.as_str(), read.set.len()), ("coarse", 2));
+        assert_eq!("as-it-is".parse::<Variant>().unwrap().set, Vec::<String>::new());
+        for bad in ["", ": a=1", "../x: a=1", "a b: c=1"] {
+            assert!(bad.parse::<Variant>().is_err(), "{bad:?}");
+        }
+    }
+}
