@@ -6,7 +6,8 @@ and solution of the same equations.
 
 CHOLMOD by scikit-sparse (`programs/with_scipy.py`) on one thread of its BLAS and on two; its assembly is not counted. Ours is the
 processor time of `subsolid run` with `solver.method = "direct"` less that of a run with multigrid, whose solution is added
-back as the wall time of its report: what both have in common is cancelled. Prints a table of the shortest times.
+back as the wall time of its report: what both have in common is cancelled. The shortest times, as a table between the markers of
+docs/performance.md; `--print` prints it instead. CHOLMOD is slow without an optimised BLAS (`apt install libopenblas0-pthread`).
 """
 
 import argparse
@@ -15,9 +16,17 @@ import sys
 import tempfile
 from pathlib import Path
 
-import meshes
 import ours
-from solve import HERE, ROOT, Peer, python_for
+from solve import HERE, PAGE, ROOT, Peer, python_for, write_between
+
+MARKS = ("<!-- direct.py: begin -->", "<!-- direct.py: end -->")
+TABLES = f"""[analysis]
+element = "tet4"
+
+[solver]
+method = "{{method}}"
+
+{ours.ONE_STEP}"""
 
 
 def cholmod(python, mesh, threads):
@@ -32,7 +41,7 @@ def cholmod(python, mesh, threads):
 def subsolid(program, mesh, method):
     """Wall seconds of the solution on one thread, which are its processor seconds where nothing else runs, those of the
     whole process, and the energy."""
-    report, process = ours.run(program, mesh, f'[solver]\nmethod = "{method}"\n\n{ours.ONE_STEP}', threads=1)
+    report, process = ours.run(program, mesh, TABLES.format(method=method), threads=1)
     step = report["steps"][-1]
     return step["seconds"]["solve"], process["processor"], step["strain_energy"]
 
@@ -45,12 +54,13 @@ def main():
     parser.add_argument("--levels", type=int, nargs="+", default=[1, 2])
     parser.add_argument("--repeat", type=int, default=3)
     parser.add_argument("--python", nargs="+", default=[sys.executable, "/usr/bin/python3"])
+    parser.add_argument("--print", action="store_true", help="print the table instead of writing it")
     args = parser.parse_args()
-    meshes.make("tripod", args.work, args.levels, args.data, most_text=-1)
+    ours.make_meshes("tripod", args.work, args.levels, args.data, most_text=-1)
     python, missing = python_for(Peer("CHOLMOD", "", "", needs=("scipy", "sksparse")), args.python)
     if python is None:
         sys.exit(f"SKIPPED CHOLMOD: {missing}")
-    print("| level | ours | CHOLMOD, 1 thread | CHOLMOD, 2 threads | ours / CHOLMOD |\n|---|---|---|---|---|")
+    lines = ["| level | ours | CHOLMOD, 1 thread | CHOLMOD, 2 threads | ours / CHOLMOD |", "|---|---|---|---|---|"]
     for level in args.levels:
         stem = args.work / f"tripod_L{level}"
         own, theirs = [], ([], [])
@@ -64,7 +74,12 @@ def main():
                 if abs(other - energy) > 1e-8 * energy:
                     sys.exit(f"L{level}: energies differ, {energy} and {other}")
         best = min(own), min(theirs[0]), min(theirs[1])
-        print(f"| L{level} | {best[0]:.2f} s | {best[1]:.2f} s | {best[2]:.2f} s | {best[0] / best[1]:.2f} |", flush=True)
+        lines.append(f"| L{level} | {best[0]:.2f} s | {best[1]:.2f} s | {best[2]:.2f} s | {best[0] / best[1]:.2f} |")
+    text = "\n".join([*lines, ""])
+    if args.print:
+        print(text)
+    else:
+        write_between(PAGE, MARKS, text)
 
 
 if __name__ == "__main__":

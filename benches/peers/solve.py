@@ -114,8 +114,7 @@ def of_ours(program, folder, level, element="tet4", tolerance=None):
     """The figures of one run of Subsolid. What is neither assembly nor solution counts as loading; the total is that of
     its whole process, with the error estimate."""
     solver = f"tolerance = {tolerance}\n" if tolerance else ""
-    tables = f'[analysis]\nelement = "{element}"\n\n' if element != "tet4" else ""
-    tables += f"[solver]\n{solver}\n{ours.ONE_STEP}"
+    tables = f'[analysis]\nelement = "{element}"\n\n[solver]\n{solver}\n{ours.ONE_STEP}'
     report, process = ours.run(program, folder / f"tripod_L{level}.msh", tables)
     step = report["steps"][-1]
     seconds = step["seconds"]
@@ -257,9 +256,7 @@ def main():
     parser.add_argument("--timeout", type=float, default=600.0)
     parser.add_argument("--print", action="store_true", help="print the tables instead of writing them")
     args = parser.parse_args()
-    import meshes
-
-    meshes.make("tripod", args.work, sorted({0, *args.levels}), args.data)
+    ours.make_meshes("tripod", args.work, sorted({0, *args.levels}), args.data)
     peers = []
     for peer in PEERS:
         if args.only and not any(word.lower() in peer.name.lower() for word in args.only):

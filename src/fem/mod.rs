@@ -42,7 +42,7 @@ pub use numbering::{Prescribed, prescribed};
 pub use quadrature::FOUR_POINTS;
 pub use quantity::{Cells, Extent, Quantity, QuantityKind, State};
 pub use recover::{Solution, global_balance, recover};
-pub use solve::{Kept, Multigrid, Solved, SolverInfo, solve, solve_keeping};
+pub use solve::{Kept, Multigrid, Solved, SolverInfo, factor_numbers, solve, solve_keeping};
 pub use space::Space;
 pub use stress::Stress;
 

@@ -28,7 +28,7 @@ pub fn check(scenario: &Scenario, options: &RunOptions) -> Result<(), Error> {
     let resolved =
         resolve::resolve_curved(scenario, file.mesh, file.midsides).map_err(|e| e.with_inner(&file.inner_groups))?;
     check_supports(scenario, &resolved)?;
-    let forecast = Forecast::of(scenario, &resolved.mesh);
+    let forecast = Forecast::of(scenario, &resolved)?;
     if let Some(path) = &options.json {
         let details = Details {
             mesh: MeshDetails::of(&resolved.mesh, given_groups, start.elapsed().as_secs_f64()),

@@ -1,23 +1,27 @@
 //! How large the meshes of a run will be and what memory they take, told before it runs.
 
+use super::resolve::Resolved;
 use crate::adapt::options::Marking;
 use crate::fem::options::{Element, Method};
+use crate::fem::{self, FemError};
 use crate::mesh::{TetMesh, surface, topology};
 use crate::scenario::{Scenario, Strategy};
 use crate::subdiv::options::{Boundary, Mode, Scheme};
 use serde::Serialize;
 
-/// Bytes of an analysis, and of the refinement to its mesh, that do not depend on the mesh, and those a cell. Measured on
-/// the bundled scenarios and on red refinements of the tripod up to 1.4 million cells (within a factor of 1.7).
-const BASE_BYTES: f64 = 70e6;
-const BYTES_A_CELL: f64 = 700.0;
+/// Resident bytes of an analysis, and of the refinement to its mesh, that do not depend on the mesh, and those a cell of four nodes or of
+/// ten: measured by `benches/peers/memory.py` on red, adaptive and bisected meshes of the tripod and on boxes. Slender parts, whose
+/// multigrid is made once more in double precision, need up to half as much again.
+const BASE_BYTES: f64 = 14e6;
+const BYTES_A_CELL: f64 = 980.0;
+const BYTES_A_QUADRATIC_CELL: f64 = 6500.0;
 
-/// Those a cell of ten nodes.
-const BYTES_A_QUADRATIC_CELL: f64 = 6000.0;
+/// Those a cell of ten nodes that the direct method needs more for its copy of the matrix; for four nodes they are no more than what a
+/// multigrid would take.
+const BYTES_A_QUADRATIC_CELL_COPIED: f64 = 5000.0;
 
-/// Entries of the Cholesky factor of a bulky solid, as a multiple of `dofs^(4/3)`: measured on boxes of 20,000 and 100,000
-/// unknowns. Slender parts have fewer.
-const FACTOR: f64 = 20.0;
+/// The factor of a solid by nested dissection has `n^(4/3)` entries (George 1973, and Lipton, Rose and Tarjan 1979).
+const FACTOR_GROWTH: f64 = 4.0 / 3.0;
 
 /// The mesh of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -45,10 +49,18 @@ pub(super) struct Forecast {
 }
 
 impl Forecast {
-    /// The forecast of a scenario from its input mesh.
-    pub(super) fn of(scenario: &Scenario, mesh: &TetMesh) -> Self {
+    /// The forecast of a scenario from its input mesh. For the direct method the unknowns are ordered, and the factor counted, on
+    /// that mesh.
+    ///
+    /// # Errors
+    /// Those of assembly and of the ordering.
+    pub(super) fn of(scenario: &Scenario, problem: &Resolved) -> Result<Self, FemError> {
         let refine = &scenario.refine;
-        let mut sizes = Sizes::of(mesh);
+        let mut sizes = Sizes::of(&problem.mesh);
+        if scenario.solver.method == Method::Direct {
+            let factor = fem::factor_numbers(&fem::assemble(&problem.space(), &problem.model)?)? as f64;
+            sizes.factor = factor / sizes.dofs(scenario.element).powf(FACTOR_GROWTH);
+        }
         let mut exact = true;
         let mut steps = Vec::new();
         let end = loop {
@@ -73,7 +85,7 @@ impl Forecast {
             // Red refinement counts exactly, all else depends on what the optimiser finds.
             exact &= refine.options.scheme == Scheme::Red && refine.options.optimise.mode == Mode::Paper;
         };
-        Self { steps, end, free_bytes: free_bytes() }
+        Ok(Self { steps, end, free_bytes: free_bytes() })
     }
 
     /// The first step that takes more memory than is free.
@@ -93,6 +105,8 @@ struct Sizes {
     /// Triangles and edges of the boundary and of interfaces between regions.
     surface: f64,
     surface_edges: f64,
+    /// Numbers of the Cholesky factor for each `dofs^(4/3)`; zero if there is none.
+    factor: f64,
 }
 
 impl Sizes {
@@ -105,6 +119,7 @@ impl Sizes {
             boundary: mesh.faces().len() as f64,
             surface: surface.len() as f64,
             surface_edges: surface::surface_edges(&surface).len() as f64,
+            factor: 0.0,
         }
     }
 
@@ -116,11 +131,11 @@ impl Sizes {
     }
 
     fn bytes(&self, scenario: &Scenario) -> f64 {
-        let direct = scenario.solver.method == Method::Direct;
-        let factor = if direct { 8.0 * FACTOR * self.dofs(scenario.element).powf(4.0 / 3.0) } else { 0.0 };
-        let a_cell = match scenario.element {
-            Element::Tet4 => BYTES_A_CELL,
-            Element::Tet10 => BYTES_A_QUADRATIC_CELL,
+        let factor = 8.0 * self.factor * self.dofs(scenario.element).powf(FACTOR_GROWTH);
+        let a_cell = match (scenario.element, scenario.solver.method) {
+            (Element::Tet4, _) => BYTES_A_CELL,
+            (Element::Tet10, Method::Direct) => BYTES_A_QUADRATIC_CELL + BYTES_A_QUADRATIC_CELL_COPIED,
+            (Element::Tet10, _) => BYTES_A_QUADRATIC_CELL,
         };
         BASE_BYTES + a_cell * self.cells + factor
     }
@@ -153,6 +168,7 @@ impl Sizes {
             boundary: mix(self.boundary, all.boundary),
             surface: mix(self.surface, all.surface),
             surface_edges: mix(self.surface_edges, all.surface_edges),
+            factor: self.factor,
         })
     }
 
@@ -166,6 +182,7 @@ impl Sizes {
             boundary: 4.0 * self.boundary,
             surface: 4.0 * self.surface,
             surface_edges: 2.0 * self.surface_edges + 3.0 * self.surface,
+            factor: self.factor,
         }
     }
 
@@ -187,6 +204,7 @@ impl Sizes {
             boundary: faces * self.boundary,
             surface: faces * self.surface,
             surface_edges: 1.5 * faces * self.surface,
+            factor: self.factor,
         }
     }
 
@@ -202,6 +220,7 @@ impl Sizes {
             boundary: surface_growth * self.boundary,
             surface: surface_growth * self.surface,
             surface_edges: surface_growth * self.surface_edges,
+            factor: self.factor,
         }
     }
 }
@@ -232,11 +251,10 @@ fn share(marking: Marking, rings: usize) -> Option<f64> {
 }
 
 /// Bytes that the next step will need at its peak, from those of this one and the growth of the cells. Memory
-/// grows with the cells but for [`BASE_BYTES`], but for the Cholesky factor, which of a solid by nested dissection has n^(4/3) entries (George
-/// 1973, and Lipton, Rose and Tarjan 1979).
+/// grows with the cells but for [`BASE_BYTES`], but for the Cholesky factor.
 pub(super) fn next_bytes(peak: usize, growth: f64, method: &str) -> f64 {
     let base = BASE_BYTES.min(peak as f64);
-    base + (peak as f64 - base) * if method == "direct" { growth.powf(4.0 / 3.0) } else { growth }
+    base + (peak as f64 - base) * if method == "direct" { growth.powf(FACTOR_GROWTH) } else { growth }
 }
 
 /// Memory that programs can get without swapping, where the system tells (Linux).
@@ -263,9 +281,9 @@ mod tests {
         let growth = |strategy, cells, selected| cells_after(Scheme::Red, strategy, cells, selected) / cells;
         let global = growth(Strategy::Global, 50.0, 50.0);
         // What does not depend on the mesh, and ten million bytes that do.
-        let peak = 80_000_000;
-        assert_eq!(next_bytes(peak, global, "amg-cg"), 150e6);
-        assert!((next_bytes(peak, global, "direct") - 230e6).abs() < 1.0);
+        let peak = 24_000_000;
+        assert_eq!(next_bytes(peak, global, "amg-cg"), 94e6);
+        assert!((next_bytes(peak, global, "direct") - 174e6).abs() < 1.0);
     }
 
     /// Counts of the schemes' own making are met exactly: all of red refinement, the nodes of the first sqrt(3) step.

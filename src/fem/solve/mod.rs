@@ -131,6 +131,14 @@ fn solve_auto(problem: &Problem, start: Option<&[DVec3]>, limit: u64, kept: &mut
     }
 }
 
+/// Numbers that the Cholesky factor of a system holds, for the direct method: found by ordering the unknowns, without factorising.
+///
+/// # Errors
+/// [`FemError::Ordering`].
+pub fn factor_numbers(system: &System) -> Result<usize, FemError> {
+    Ok(direct::analyse(system)?.nonzeros())
+}
+
 /// The multigrid that conjugate gradients are preconditioned by, by itself: for measurements.
 pub struct Multigrid(amg::Hierarchy<f32>);
 
