@@ -154,7 +154,7 @@ fn what_is_wrong_fails_by_name_and_the_rest_still_runs() {
         assert!(verdicts(name, "FAIL") && stderr.contains(name), "{name}\n{stdout}");
     }
     for words in
-        ["refine", "SUBSOLID_DATA", "did you mean", "expects nothing", "0.1 % was asked for", "2 of 9 scenarios pass"]
+        ["refine", "SUBSOLID_DATA", "did you mean", "expects nothing", "0.100 % was asked for", "2 of 9 scenarios pass"]
     {
         assert!(stdout.contains(words), "{words}\n{stdout}");
     }
