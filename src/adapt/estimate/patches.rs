@@ -18,6 +18,9 @@ pub(super) struct Patches {
     of_cell: Vec<[u32; 4]>,
 }
 
+/// The vertex and the length of each patch, and the cells of all.
+type Chunk = (Vec<(u32, u32)>, Vec<u32>);
+
 /// How many vertices a thread takes at a time.
 const CHUNK: usize = 1 << 12;
 
@@ -40,8 +43,7 @@ impl Patches {
             }
             (patches, cells)
         };
-        let chunks: Vec<(Vec<(u32, u32)>, Vec<u32>)> =
-            (0..count.div_ceil(CHUNK)).into_par_iter().map(|k| chunk(k * CHUNK)).collect();
+        let chunks: Vec<Chunk> = (0..count.div_ceil(CHUNK)).into_par_iter().map(|k| chunk(k * CHUNK)).collect();
         let mut patches = Self {
             vertices: Vec::with_capacity(count),
             starts: vec![0],

@@ -50,15 +50,15 @@ fn step<T: Real, const N: usize, const W: usize>(
     r: &mut [[T; W]],
     z: &mut [[T; W]],
 ) -> f64 {
-    let vectors = r.par_chunks_mut(CHUNK).zip(z.par_chunks_mut(CHUNK)).zip(q.par_chunks(CHUNK)).enumerate();
-    let part = |(chunk, ((r, z), q)): (usize, ((&mut [[T; W]], &mut [[T; W]]), &[[T; W]]))| {
+    let part = |chunk: usize, r: &mut [[T; W]], z: &mut [[T; W]], q: &[[T; W]]| {
         for (k, q) in q.iter().enumerate() {
             (0..N).for_each(|c| r[k][c] -= alpha * q[c]);
             z[k] = a.relax(chunk * CHUNK + k, &r[k]);
         }
         part_dot::<T, N, W>(r, z)
     };
-    vectors.map(part).collect::<Vec<f64>>().iter().sum()
+    let vectors = r.par_chunks_mut(CHUNK).zip(z.par_chunks_mut(CHUNK)).zip(q.par_chunks(CHUNK)).enumerate();
+    vectors.map(|(chunk, ((r, z), q))| part(chunk, r, z, q)).collect::<Vec<f64>>().iter().sum()
 }
 
 /// `z = D^-1 r`.
