@@ -124,17 +124,17 @@ fn the_first_steps_quote_their_run() {
     let text = std::fs::read_to_string(Path::new(ROOT).join("docs/first-steps.md")).unwrap();
     let report = run(&examples("first-steps.md", &text)[0], &examples("first-steps.md", &text)[0].table);
     let steps = report["steps"].as_array().unwrap();
-    let energies: Vec<String> = steps.iter().map(|s| format!("{:.2}", s["strain_energy"].as_f64().unwrap())).collect();
-    let percent = |s: &Value| format!("{:.0}", 100.0 * s["error"]["relative"].as_f64().unwrap());
+    let energies: Vec<String> = steps.iter().map(|s| format!("{:.3}", s["strain_energy"].as_f64().unwrap())).collect();
+    let percent = |s: &Value| format!("{:.1}", 100.0 * s["error"]["relative"].as_f64().unwrap());
     let last = steps.last().unwrap();
-    let short = 1.0 - last["quantities"]["deflection"]["value"].as_f64().unwrap() / -0.026_937;
+    let more = last["quantities"]["deflection"]["value"].as_f64().unwrap() / -0.026_937 - 1.0;
     for quoted in [
         format!("grows and settles: {}.", energies.join(", ")),
         format!("falls from {} to {}.", percent(&steps[0]), percent(last)),
         format!(
-            "the pin goes {:.4} mm, {:.1} %",
+            "the pin goes {:.5} mm, {:.2} % more",
             -last["quantities"]["deflection"]["value"].as_f64().unwrap(),
-            100.0 * short
+            100.0 * more
         ),
         format!("{} faces are held, {} are loaded", report["selections"][0]["faces"], report["selections"][1]["faces"]),
     ] {

@@ -230,7 +230,7 @@ impl Sizes {
 pub(super) fn cells_after(scheme: Scheme, strategy: Strategy, cells: f64, selected: f64) -> f64 {
     let added = match (scheme, strategy) {
         (Scheme::Red, _) => 7.0,
-        (Scheme::Sqrt3, Strategy::Adaptive) => 5.0,
+        (Scheme::Sqrt3, Strategy::Adaptive) => 6.0,
         (Scheme::Sqrt3, _) => 7.2,
         (Scheme::LongestEdge, Strategy::Adaptive) => 3.6,
         (Scheme::LongestEdge, _) => 2.6,
@@ -243,7 +243,7 @@ pub(super) fn cells_after(scheme: Scheme, strategy: Strategy, cells: f64, select
 fn share(marking: Marking, rings: usize) -> Option<f64> {
     let marked = match marking {
         Marking::Fraction(share) => share,
-        Marking::Doerfler(share) | Marking::LookAhead(share) => 0.8 * share * share,
+        Marking::Doerfler(share) | Marking::LookAhead(share) => 0.65 * share * share,
         Marking::Maximum(share) => (1.0 - share) * (1.0 - share) / 3.0,
         Marking::Threshold(_) => return None,
     };
