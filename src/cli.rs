@@ -39,7 +39,8 @@ pub enum Command {
         /// Scenario file (TOML)
         scenario: PathBuf,
         /// Compare subdivision schemes instead: sqrt(3), longest-edge bisection and red refinement, each with and without
-        /// the error-driven optimiser, with the same elements, solver, estimator and marking
+        /// the error-driven optimiser, with the same elements, solver, estimator and marking. The scenario needs a rule in
+        /// [refine.stop] that ends all runs, such as max_cells
         #[arg(long)]
         schemes: bool,
         /// Compare the scenario under overrides of your choice instead, such as "fine: mesh.box.cells=[4,4,4];
@@ -220,7 +221,7 @@ pub struct Common {
 /// Options of the commands that read scenarios.
 #[derive(Debug, Args)]
 pub struct ScenarioOptions {
-    /// Folder of the results [default: results/<scenario's name>]; several scenarios of one `run` each get a folder in it
+    /// Folder of the results [default: results/<scenario's name>]; of several scenarios of one `run` each has its own in it
     #[arg(long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// Override a key of the scenario, such as refine.steps=3 (repeatable)

@@ -48,6 +48,12 @@ pub enum Error {
     #[error("scheme \"red\" refines all cells or none, so there is nothing adaptive to compare with")]
     #[diagnostic(help("set refine.scheme = \"sqrt3\" or \"longest-edge\"; or use `run` for global red refinement"))]
     NothingToCompare,
+    /// Schemes are compared without a rule that ends all runs at a like size.
+    #[error(
+        "the scenario has no stop rule, and steps of different schemes differ in size: eightfold cells or half as many more"
+    )]
+    #[diagnostic(help("say where the runs end, such as --set refine.stop.max_cells=20000"))]
+    NoStopRule,
     /// Two variants of a comparison would share a folder.
     #[error("two variants are called `{name}`")]
     #[diagnostic(help("give each --variant a name of its own, and none that --schemes has"))]
@@ -105,7 +111,11 @@ impl Error {
         match self {
             Self::Unexpected { .. } | Self::Unverified { .. } => 1,
             Self::NotVtu { .. } | Self::Variants { .. } => 2,
-            Self::Scenario(_) | Self::NothingToCompare | Self::NoScenarios { .. } | Self::NothingExpected => 3,
+            Self::Scenario(_)
+            | Self::NothingToCompare
+            | Self::NoStopRule
+            | Self::NoScenarios { .. }
+            | Self::NothingExpected => 3,
             Self::Mesh(_) => 4,
             Self::Model(_) => 5,
             Self::Fem(error) if error.is_model() => 5,

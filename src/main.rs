@@ -26,15 +26,16 @@ const CURVATURE_ANGLE: f64 = 5.0;
 
 const MEMORY: MemoryProbe = MemoryProbe { reset: reset_peak, peak };
 
-/// Bytes of the pages that the program held at most, where the system tells (Linux); elsewhere, and they may never have been touched,
-/// those it had allocated.
+/// The most bytes held: those allocated at a time since the reset, or those of the pages that the program has touched at all
+/// (where the system tells, as Linux does) if these are fewer. Pages are not given back between runs of one process; and what
+/// is allocated may never be touched.
 fn peak() -> usize {
     let resident = || {
         let text = std::fs::read_to_string("/proc/self/status").ok()?;
         let line = text.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
         Some(line.trim().strip_suffix("kB")?.trim().parse::<usize>().ok()? * 1024)
     };
-    resident().unwrap_or_else(|| ALLOCATOR.peak_usage())
+    resident().unwrap_or(usize::MAX).min(ALLOCATOR.peak_usage())
 }
 
 /// Lets the peak start again from what is in use.
@@ -49,7 +50,7 @@ fn main() -> ExitCode {
         Command::Run { scenarios, common, scenario_options } => run_all(&scenarios, &common, &scenario_options),
         Command::Compare { scenario, schemes, variants: own, repeat, common, scenario_options } => {
             one(&scenario, &common, &scenario_options, |s, o| {
-                let mut chosen = if schemes { variants::schemes(s) } else { Vec::new() };
+                let mut chosen = if schemes { variants::schemes(s)? } else { Vec::new() };
                 chosen.extend(own);
                 match &chosen[..] {
                     [] => compare::compare(s, o, repeat.into()),

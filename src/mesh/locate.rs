@@ -84,6 +84,9 @@ impl<'a> Locator<'a> {
     /// The cell that holds a finite point, or else the nearest cell.
     #[must_use]
     pub fn nearest(&self, p: DVec3) -> Located {
+        if let Some(found) = self.containing(p) {
+            return found;
+        }
         let mut best = Located { cell: 0, weights: [0.25; 4], distance: f64::INFINITY };
         let mut stack = vec![0];
         while let Some(n) = stack.pop() {
@@ -111,6 +114,49 @@ impl<'a> Locator<'a> {
     }
 }
 
+impl Locator<'_> {
+    /// The first cell met that holds a point: much quicker than to measure distances.
+    fn containing(&self, p: DVec3) -> Option<Located> {
+        let mut stack = vec![0];
+        while let Some(n) = stack.pop() {
+            let node = &self.nodes[n];
+            if p.cmplt(node.lo).any() || p.cmpgt(node.hi).any() {
+                continue;
+            }
+            match node.kind {
+                Kind::Leaf(start, end) => {
+                    for &t in &self.cells[start..end] {
+                        if let Some(weights) = weights_inside(self.mesh.cell_points(t as usize), p) {
+                            return Some(Located { cell: t as usize, weights, distance: 0.0 });
+                        }
+                    }
+                }
+                Kind::Branch(right) => stack.extend([right, n + 1]),
+            }
+        }
+        None
+    }
+}
+
+/// The barycentric coordinates of a point of a tetrahedron; `None` outside. Points on faces and at vertices, which are many,
+/// are inside of the first cell that is met.
+fn weights_inside(x: [DVec3; 4], p: DVec3) -> Option<[f64; 4]> {
+    let volume = quality::volume(x);
+    let mut weights = [0.0; 4];
+    for i in 0..4 {
+        let mut part = x;
+        part[i] = p;
+        let weight = quality::volume(part) / volume;
+        // Refuses NaN too.
+        if !(weight >= -ROUNDING) {
+            return None;
+        }
+        weights[i] = weight.max(0.0);
+    }
+    let sum: f64 = weights.iter().sum();
+    Some(weights.map(|w| w / sum))
+}
+
 fn bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
     points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)))
 }
@@ -121,17 +167,8 @@ fn box_distance(node: &Node, p: DVec3) -> f64 {
 
 /// Barycentric coordinates of the point of a tetrahedron nearest to `p`, and the distance.
 fn nearest_in_cell(x: [DVec3; 4], p: DVec3) -> ([f64; 4], f64) {
-    let volume = quality::volume(x);
-    let weights: [f64; 4] = std::array::from_fn(|i| {
-        let mut part = x;
-        part[i] = p;
-        quality::volume(part) / volume
-    });
-    // Points on faces and at vertices, which are many, are inside of the first cell that is met.
-    if weights.iter().all(|w| *w >= -ROUNDING) {
-        let weights = weights.map(|w| w.max(0.0));
-        let sum: f64 = weights.iter().sum();
-        return (weights.map(|w| w / sum), 0.0);
+    if let Some(weights) = weights_inside(x, p) {
+        return (weights, 0.0);
     }
     let mut best = ([0.0; 4], f64::INFINITY);
     for face in quality::FACES {

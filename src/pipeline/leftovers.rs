@@ -67,12 +67,8 @@ const FOLDERS: [&str; 2] = ["global", "adaptive"];
 pub(super) fn for_run(folder: &Path, scenario: &Scenario) -> Result<(), OutputError> {
     let mut old = Old::default();
     old.take(folder, &run_files(scenario), scenario)?;
-    for folder in contestants(folder).iter().map(|name| folder.join(name)) {
-        let files = ours(&folder, scenario)?;
-        if !folder.is_symlink() && !files.is_empty() && entries(&folder)?.len() == files.len() {
-            old.files.extend(files);
-            old.folders.push(folder);
-        }
+    for name in contestants(folder) {
+        old.take_folder(folder.join(name), scenario)?;
     }
     old.remove(scenario)
 }
@@ -86,6 +82,9 @@ pub(super) fn for_comparison(folder: &Path, names: &[&str], scenario: &Scenario)
     old.take(folder, &COMPARISON.map(str::to_owned), scenario)?;
     for name in names {
         old.take(&folder.join(name), &run_files(scenario), scenario)?;
+    }
+    for name in contestants(folder).into_iter().filter(|name| !names.contains(&name.as_str())) {
+        old.take_folder(folder.join(name), scenario)?;
     }
     old.remove(scenario)
 }
@@ -130,6 +129,16 @@ impl Old {
                 Ok(())
             }
         }
+    }
+
+    /// Takes a folder that holds files of ours and nothing else.
+    fn take_folder(&mut self, folder: PathBuf, scenario: &Scenario) -> Result<(), OutputError> {
+        let files = ours(&folder, scenario)?;
+        if !folder.is_symlink() && !files.is_empty() && entries(&folder)?.len() == files.len() {
+            self.files.extend(files);
+            self.folders.push(folder);
+        }
+        Ok(())
     }
 
     fn remove(mut self, scenario: &Scenario) -> Result<(), OutputError> {

@@ -91,9 +91,15 @@ pub(super) fn quantity_tables(report: &Report) -> String {
     tables.into_iter().filter(|t| !t.is_empty()).map(|t| format!("\n{t}")).collect()
 }
 
-/// The error to end with after everything is written: an expectation that failed, or a tolerance that was not reached.
+/// The error to end with after everything is written: an expectation that failed, which tells of a tolerance that was not
+/// reached too, or such a tolerance.
 pub(super) fn failure(scenario: &Scenario, strategy: Strategy, report: &Report) -> Option<Error> {
-    failed_expectations(report).or_else(|| tolerance::missed(scenario, strategy, report))
+    match (failed_expectations(report), tolerance::missed(scenario, strategy, report)) {
+        (Some(Error::Unexpected { sentences }), Some(missed)) => {
+            Some(Error::Unexpected { sentences: format!("{sentences}; {missed}") })
+        }
+        (failed, missed) => failed.or(missed),
+    }
 }
 
 /// The warnings of a run; `run` names it where there are several.

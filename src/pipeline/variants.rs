@@ -37,21 +37,24 @@ const SCHEMES: [(&str, &str, &str, &str); 7] = [
 ];
 
 /// The subdivision schemes with and without the error-driven optimiser: sqrt(3) as published, optimised for its angles, and
-/// for the error; longest-edge bisection and uniform red refinement plain and optimised for the error. Their steps differ in
-/// size, so where the scenario has a stop rule that alone ends the runs.
-#[must_use]
-pub fn schemes(scenario: &Scenario) -> Vec<Variant> {
-    let limited = scenario.refine.stop != Stop::default();
+/// for the error; longest-edge bisection and uniform red refinement plain and optimised for the error.
+///
+/// # Errors
+/// [`Error::NoStopRule`]: steps of different schemes differ in size, so something else has to end the runs.
+pub fn schemes(scenario: &Scenario) -> Result<Vec<Variant>, Error> {
+    if scenario.refine.stop == Stop::default() {
+        return Err(Error::NoStopRule);
+    }
     let variant = |(name, scheme, strategy, optimise): (&str, &str, &str, &str)| {
-        let mut set = vec![
+        let set = vec![
             format!("refine.scheme=\"{scheme}\""),
             format!("refine.strategy=\"{strategy}\""),
             format!("refine.optimise={optimise}"),
+            format!("refine.steps={MAX_STEPS}"),
         ];
-        set.extend(limited.then(|| format!("refine.steps={MAX_STEPS}")));
         Variant { name: name.to_owned(), set }
     };
-    SCHEMES.map(variant).into()
+    Ok(SCHEMES.map(variant).into())
 }
 
 impl FromStr for Variant {
