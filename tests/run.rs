@@ -336,3 +336,14 @@ fn variants_are_compared_on_equal_terms() {
     let (code, _, stderr) = run(&["--variant", "a", "--variant", "a: refine.steps=1"]);
     assert!(code == Some(2) && stderr.contains("two variants are called `a`"), "{stderr}");
 }
+
+/// A script that reads `report.json` alone sees what was said before the run.
+#[test]
+fn the_report_repeats_what_was_said_before_the_run() {
+    let folder = folder();
+    let rubber = ["materials.steel.poissons_ratio=0.499", "analysis.element=tet4", "refine.strategy=none"];
+    let (stdout, report) = run(folder.path(), "bent", &rubber);
+    let lock = |w: &&Value| w.as_str().unwrap().contains("lock");
+    assert_eq!(report["warnings"].as_array().unwrap().iter().filter(lock).count(), 1, "{report:#}");
+    assert_eq!(stdout.matches("incompressible").count(), 1, "{stdout}");
+}

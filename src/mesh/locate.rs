@@ -147,8 +147,9 @@ fn weights_inside(x: [DVec3; 4], p: DVec3) -> Option<[f64; 4]> {
         let mut part = x;
         part[i] = p;
         let weight = quality::volume(part) / volume;
-        // Refuses NaN too.
-        if !(weight >= -ROUNDING) {
+        // Not what NaN is.
+        let inside = weight >= -ROUNDING;
+        if !inside {
             return None;
         }
         weights[i] = weight.max(0.0);

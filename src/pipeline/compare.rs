@@ -4,7 +4,7 @@ use super::doubts::ending;
 use super::leftovers;
 use super::passes::{self, Contestant};
 use super::results::write_text;
-use super::run::{failure, plot_curves, prepare, quantity_tables, warnings};
+use super::run::{failure, new_warnings, plot_curves, prepare, quantity_tables};
 use super::{RunOptions, print};
 use crate::error::Error;
 use crate::output::atomic::ensure_writable_dir;
@@ -50,7 +50,8 @@ pub fn compare(scenario: &Scenario, options: &RunOptions, repeat: usize) -> Resu
         write_json(path, &comparison)?;
     }
     if !options.quiet {
-        let mut doubts = warnings("global, ", global) + &warnings("adaptive, ", adaptive);
+        let new = |name: &str, report| new_warnings(name, report, scenario, &problem);
+        let mut doubts = new("global, ", global) + &new("adaptive, ", adaptive);
         for (name, strategy, report) in
             [("global", Strategy::Global, global), ("adaptive", Strategy::Adaptive, adaptive)]
         {

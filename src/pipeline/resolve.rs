@@ -38,6 +38,11 @@ pub struct Resolved {
 }
 
 impl Resolved {
+    /// What deserves a word before the run: of the scenario, and of the scenario on its mesh.
+    pub(super) fn said<'a>(&'a self, scenario: &'a Scenario) -> impl Iterator<Item = &'a String> {
+        scenario.warnings.iter().chain(&self.warnings)
+    }
+
     /// The nodes of the elements on the input mesh.
     #[must_use]
     pub fn space(&self) -> Space<'_> {

@@ -58,7 +58,11 @@ pub(super) fn execute(scenario: &Scenario, options: &RunOptions) -> Result<Repor
         let (units, steps) = (table::units(&report.units), table::steps(&report.steps));
         let text = format!("{units}{steps}\n{reactions}{}", quantity_tables(&report));
         let ending = ending(scenario, plan.strategy, &report);
-        print(&format!("{text}\n{}{ending}\nresults in {}\n", warnings("", &report), folder.display()))?;
+        print(&format!(
+            "{text}\n{}{ending}\nresults in {}\n",
+            new_warnings("", &report, scenario, &problem),
+            folder.display()
+        ))?;
     }
     Ok(report)
 }
@@ -79,7 +83,7 @@ pub(super) fn prepare(scenario: &Scenario, options: &RunOptions) -> Result<Resol
     check_supports(scenario, &problem)?;
     if !options.quiet {
         let remarks = file.notes.iter().map(|n| wrapped(&format!("note: {n}")));
-        let warnings = scenario.warnings.iter().chain(&problem.warnings).map(|w| wrapped(&format!("warning: {w}")));
+        let warnings = problem.said(scenario).map(|w| wrapped(&format!("warning: {w}")));
         print(&format!("{}\n{}", scenario.title, remarks.chain(warnings).collect::<String>()))?;
     }
     Ok(problem)
@@ -102,7 +106,14 @@ pub(super) fn failure(scenario: &Scenario, strategy: Strategy, report: &Report) 
     }
 }
 
-/// The warnings of a run; `run` names it where there are several.
+/// The warnings of a run but for those that were said before it.
+pub(super) fn new_warnings(run: &str, report: &Report, scenario: &Scenario, problem: &Resolved) -> String {
+    let said: Vec<&String> = problem.said(scenario).collect();
+    let new = report.warnings.iter().filter(|w| !said.contains(w));
+    new.map(|w| wrapped(&format!("warning: {run}{w}"))).collect()
+}
+
+/// All warnings of a run; `run` names it where there are several.
 pub(super) fn warnings(run: &str, report: &Report) -> String {
     report.warnings.iter().map(|w| wrapped(&format!("warning: {run}{w}"))).collect()
 }

@@ -84,6 +84,8 @@ pub(super) fn simulate(
         (mesh, history) = next;
     };
     let expectations = steps.last().map(|last| quantities::expectations(plan.scenario, last));
+    // What was said before the run holds for its results too.
+    warnings.extend(problem.said(plan.scenario).cloned());
     Ok(Report {
         expectations: expectations.unwrap_or_default(),
         schema: SCHEMA,
