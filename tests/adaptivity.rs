@@ -5,25 +5,7 @@
 use assert_cmd::Command;
 use serde_json::Value;
 
-const PRISM: &str = r#"
-[mesh.l-prism]
-cells = 2
-[materials.a]
-youngs_modulus = 1.0
-poissons_ratio = 0.3
-[exact]
-solution = "l-prism"
-[supports.outer]
-any = [{ group = "x-min" }, { group = "x-max" }, { group = "y-min" }, { group = "y-max" }]
-fix = "exact"
-[supports.z]
-any = [{ group = "z-min" }, { group = "z-max" }]
-fix = ["z"]
-[refine]
-steps = 20
-[output]
-vtk = false
-"#;
+const PRISM: &str = include_str!("scenarios/l-prism.toml");
 
 /// A finished step.
 #[derive(Debug, Clone, Copy)]

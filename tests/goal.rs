@@ -6,28 +6,14 @@ use serde_json::Value;
 use std::f64::consts::PI;
 
 /// The L-prism with its singular solution.
-const L_PRISM: &str = r#"
-[mesh.l-prism]
-cells = 2
-[materials.m]
-youngs_modulus = 1.0
-poissons_ratio = 0.3
-[exact]
-solution = "l-prism"
-[supports.outer]
-any = [{ group = "x-min" }, { group = "x-max" }, { group = "y-min" }, { group = "y-max" }]
-fix = "exact"
-[supports.sides]
-any = [{ group = "z-max" }, { group = "z-min" }]
-fix = ["z"]
+const L_PRISM: &str = concat!(
+    include_str!("scenarios/l-prism.toml"),
+    r#"
 [quantities.syy]
 average = "syy"
 within = { min = [0.5, 0.5, 0.25], max = [0.75, 0.75, 0.75] }
-[output]
-vtk = false
-[refine]
-steps = 20
-"#;
+"#
+);
 
 /// The mean of the L-prism's stress YY over the box, by Gauss quadrature of its closed form.
 const L_PRISM_SYY: f64 = 2.121_208_893_068_185;

@@ -19,7 +19,7 @@ import tempfile
 from pathlib import Path
 
 import ours
-from solve import HERE, PAGE, ROOT, Peer, processor_name, python_for, write_between
+from solve import HERE, ROOT, Peer, processor_name, publish, python_for
 
 MARKS = ("<!-- adaptive.py: begin -->", "<!-- adaptive.py: end -->")
 
@@ -150,10 +150,7 @@ def main():
     if args.set:
         head += f"Ours with `{' '.join(args.set)}`.\n"
     text = f"{head}\n{table(found)}"
-    if args.print:
-        print(text)
-    else:
-        write_between(PAGE, MARKS, text)
+    publish(args, MARKS, text)
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ import tempfile
 from pathlib import Path
 
 import ours
-from solve import HERE, PAGE, ROOT, Peer, python_for, write_between
+from solve import HERE, ROOT, Peer, publish, python_for
 
 MARKS = ("<!-- direct.py: begin -->", "<!-- direct.py: end -->")
 TABLES = f"""[analysis]
@@ -76,10 +76,7 @@ def main():
         best = min(own), min(theirs[0]), min(theirs[1])
         lines.append(f"| L{level} | {best[0]:.2f} s | {best[1]:.2f} s | {best[2]:.2f} s | {best[0] / best[1]:.2f} |")
     text = "\n".join([*lines, ""])
-    if args.print:
-        print(text)
-    else:
-        write_between(PAGE, MARKS, text)
+    publish(args, MARKS, text)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ import tempfile
 from pathlib import Path
 
 import ours
-from solve import PAGE, ROOT, processor_name, write_between
+from solve import ROOT, processor_name, publish
 
 MARKS = ("<!-- products: begin -->", "<!-- products: end -->")
 
@@ -41,10 +41,7 @@ def main():
         cells = [f"{' '.join(found[name][:2])} | {''.join(found[name][2:3])}" for found in (one, two)]
         lines.append(f"| {name} | {' | '.join(cells)} |")
     text = "\n".join([f"L{args.level}, {processor_name()}, best of {args.repeat}:", "", *lines, ""])
-    if args.print:
-        print(text)
-    else:
-        write_between(PAGE, MARKS, text)
+    publish(args, MARKS, text)
 
 
 if __name__ == "__main__":

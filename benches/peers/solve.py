@@ -230,10 +230,13 @@ def check_digits(args):
     return "\n".join([*lines, ""]), faults
 
 
-def write_between(page, marks, text):
-    """Replaces what is between two lines of a page."""
-    before, rest = page.read_text().split(marks[0])
-    page.write_text(f"{before}{marks[0]}\n\n{text}\n{marks[1]}{rest.split(marks[1])[1]}")
+def publish(args, marks, text):
+    """Puts a text between two lines of the page, or prints it if the command line asks for that."""
+    if args.print:
+        print(text)
+        return
+    before, rest = PAGE.read_text().split(marks[0])
+    PAGE.write_text(f"{before}{marks[0]}\n\n{text}\n{marks[1]}{rest.split(marks[1])[1]}")
 
 
 def processor_name():
@@ -277,10 +280,7 @@ def main():
     faults += wrong_energies(found)
     head = f"{processor_name()}, {os.cpu_count()} processors, {args.repeat} rounds, medians; seconds.\n"
     text = "\n".join([head, *(table(level, found[level]) for level in args.levels), digits])
-    if args.print:
-        print(text)
-    else:
-        write_between(PAGE, MARKS, text)
+    publish(args, MARKS, text)
     for fault in faults:
         print(f"WRONG: {fault}", file=sys.stderr)
     sys.exit(bool(faults))
