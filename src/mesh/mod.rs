@@ -11,7 +11,7 @@ pub mod locate;
 pub mod midside;
 pub mod quality;
 pub mod read;
-mod rows;
+pub(crate) mod rows;
 pub mod surface;
 pub mod topology;
 
@@ -267,6 +267,36 @@ impl TetMesh {
     pub fn diagonal(&self) -> f64 {
         let (lo, hi) = self.bounding_box();
         (hi - lo).length()
+    }
+}
+
+/// What meshes of all kinds of cells have: named regions of cells and named groups of boundary faces.
+pub trait Tagged {
+    /// Names of the regions, indexed by [`RegionId`].
+    fn region_names(&self) -> &[String];
+    /// Region of each cell.
+    fn regions(&self) -> &[RegionId];
+    /// Names of the groups of boundary faces, indexed by [`GroupId`].
+    fn groups(&self) -> &[String];
+    /// Whether no boundary face belongs to a group.
+    fn is_empty_group(&self, group: GroupId) -> bool;
+}
+
+impl Tagged for TetMesh {
+    fn region_names(&self) -> &[String] {
+        self.region_names()
+    }
+
+    fn regions(&self) -> &[RegionId] {
+        self.regions()
+    }
+
+    fn groups(&self) -> &[String] {
+        self.groups()
+    }
+
+    fn is_empty_group(&self, group: GroupId) -> bool {
+        self.group_faces(group).next().is_none()
     }
 }
 

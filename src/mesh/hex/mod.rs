@@ -11,7 +11,7 @@ mod topology;
 pub use error::HexError;
 pub use topology::{HexTopology, NONE};
 
-use super::{Crease, GroupId, PatchId, RegionId};
+use super::{Crease, GroupId, PatchId, RegionId, Tagged};
 use glam::{DMat3, DVec3};
 
 /// Corners of the faces of a cell, counter-clockwise seen from outside: face `2 a + s` lies at coordinate `s` of axis `a`.
@@ -224,6 +224,31 @@ impl HexMesh {
         (self, group)
     }
 
+    /// The connected part of each cell (cells are connected through faces), numbered by first cell, and the number of
+    /// parts.
+    #[must_use]
+    pub fn connected_parts(&self) -> (Vec<u32>, usize) {
+        let (topology, count) = (&self.topology, self.parts.cells.len());
+        let (mut part, mut parts) = (vec![NONE; count], 0);
+        for first in 0..count {
+            if part[first] != NONE {
+                continue;
+            }
+            part[first] = parts;
+            let mut open = vec![first];
+            while let Some(t) = open.pop() {
+                for u in topology.cell_faces()[t].into_iter().flat_map(|f| topology.face_cells()[f as usize]) {
+                    if u != NONE && part[u as usize] == NONE {
+                        part[u as usize] = parts;
+                        open.push(u as usize);
+                    }
+                }
+            }
+            parts += 1;
+        }
+        (part, parts as usize)
+    }
+
     /// The eight positions of cell `t`.
     #[must_use]
     pub fn cell_points(&self, t: usize) -> [DVec3; 8] {
@@ -248,6 +273,24 @@ impl HexMesh {
     #[must_use]
     pub fn volume(&self) -> f64 {
         (0..self.parts.cells.len()).map(|t| cell_volume(&self.cell_points(t))).sum()
+    }
+}
+
+impl Tagged for HexMesh {
+    fn region_names(&self) -> &[String] {
+        self.region_names()
+    }
+
+    fn regions(&self) -> &[RegionId] {
+        self.regions()
+    }
+
+    fn groups(&self) -> &[String] {
+        self.groups()
+    }
+
+    fn is_empty_group(&self, group: GroupId) -> bool {
+        self.group_faces(group).next().is_none()
     }
 }
 
