@@ -24,6 +24,7 @@ mod quantity;
 mod recover;
 mod solve;
 mod space;
+mod spectrum;
 mod springs;
 mod stress;
 #[cfg(test)]
@@ -45,6 +46,7 @@ pub use quantity::{Cells, Extent, Quantity, QuantityKind, State};
 pub use recover::{Solution, global_balance, recover};
 pub use solve::{Kept, Multigrid, Solved, SolverInfo, factor_numbers, solve, solve_keeping};
 pub use space::Space;
+pub use spectrum::Spectrum;
 pub use stress::Stress;
 
 use crate::field::{Field, VectorField};

@@ -6,6 +6,7 @@
 
 mod error;
 mod lagrange;
+mod lattice;
 mod loads;
 mod matrix;
 mod places;
@@ -19,6 +20,7 @@ mod system;
 mod tests;
 
 pub use error::HexErrors;
+pub use lattice::Lattice;
 pub use places::HexLocator;
 pub use quantity::HexState;
 pub use recovery::RecoveredStress;
@@ -73,7 +75,9 @@ impl<'m> HexSpace<'m> {
     #[must_use]
     pub fn new(mesh: &'m HexMesh, element: HexElement, variant: CatmullClark) -> Self {
         let functions = match element {
-            HexElement::Hex8 | HexElement::Hex20 | HexElement::Hex27 => Functions::Lagrange(Lagrange::new(mesh, element)),
+            HexElement::Hex8 | HexElement::Hex20 | HexElement::Hex27 => {
+                Functions::Lagrange(Lagrange::new(mesh, element))
+            }
             HexElement::CatmullClark => Functions::Limit(Basis::new(mesh, variant, false)),
             HexElement::CatmullClarkPlus => Functions::Limit(Basis::new(mesh, variant, true)),
         };
@@ -104,6 +108,19 @@ impl<'m> HexSpace<'m> {
     #[must_use]
     pub fn points(&self) -> &[DVec3] {
         &self.points
+    }
+
+    /// A place for each function: of bubbles that of their vertices.
+    #[must_use]
+    pub fn whereabouts(&self) -> Vec<DVec3> {
+        let mut places = self.points.clone();
+        if let Functions::Limit(basis) = &self.functions {
+            let vertices = self.mesh.points().len();
+            let own = basis.bubbles().iter().map(|b| self.points[b.vertex as usize]);
+            places.truncate(vertices);
+            places.extend(own);
+        }
+        places
     }
 
     /// Number of functions with a coefficient of the position: all but bubbles, which come last.

@@ -2,19 +2,14 @@ use super::super::assembly::System;
 use super::super::loads::integrate_faces;
 use super::super::numbering::{Dofs, Prescribed};
 use super::super::options::SolverOptions;
-use super::super::{FemError, Load, LoadKind, Material, Model, Support, SymTensor, solve, traction};
+use super::super::{Load, LoadKind, Material, Model, Spectrum, Support, SymTensor, solve, traction};
 use super::*;
 use crate::field::VectorField;
 use crate::mesh::GroupId;
 use crate::mesh::hex::generate::box_hexes;
 
-const ALL: [HexElement; 5] = [
-    HexElement::Hex8,
-    HexElement::Hex20,
-    HexElement::Hex27,
-    HexElement::CatmullClark,
-    HexElement::CatmullClarkPlus,
-];
+const ALL: [HexElement; 5] =
+    [HexElement::Hex8, HexElement::Hex20, HexElement::Hex27, HexElement::CatmullClark, HexElement::CatmullClarkPlus];
 
 /// lambda = 1, mu = 0.7.
 fn material() -> Material {
@@ -55,7 +50,7 @@ fn under_tractions(space: &HexSpace<'_>, stress: fn(DVec3) -> SymTensor) -> (Hex
     }
     let stiffness = matrix::stiffness(space, &model.materials).unwrap();
     let numbering = Dofs::from_used(vec![true; loads.len()], prescribed);
-    let system = System { stiffness, loads, numbering, points: space.points().to_vec(), linear: None };
+    let system = System { stiffness, loads, numbering, points: space.whereabouts(), linear: None };
     let options = SolverOptions { method: super::super::options::Method::Direct, ..SolverOptions::default() };
     let solved = solve(&system, &options, None).unwrap();
     let solution = HexSolution {
@@ -125,31 +120,26 @@ fn bar(element: HexElement, nx: usize) -> (usize, f64, f64) {
     let model = Model {
         materials: vec![Material { youngs_modulus: 1.0, poissons_ratio: 0.3, density: 0.0 }],
         supports: ["x-min", "x-max"].map(|g| Support::new(g, group(g), [Some(0.0); 3])).to_vec(),
-        loads: vec![Load {
-            name: "load".to_owned(),
-            kind: LoadKind::Traction(top, VectorField::from(DVec3::NEG_Z)),
-        }],
+        loads: vec![Load { name: "load".to_owned(), kind: LoadKind::Traction(top, VectorField::from(DVec3::NEG_Z)) }],
     };
     let system = assemble_hexes(&space, &model).unwrap();
     let solved = solve(&system, &SolverOptions::default(), None).unwrap();
     let solution = recover_hexes(&space, &model, &system, &solved);
-    let mut lowest = [0.0_f64; 2];
-    let side = |i: usize| i as f64 / 8.0;
-    let points: Vec<DVec3> = (0..81).map(|i| DVec3::new(side(i % 9), side(i / 9), 1.0)).collect();
+    // As the prototype did: at nodes of serendipity cells, at Gauss points of others.
+    let side = |i: usize| i as f64 / 2.0;
+    let points: Vec<DVec3> = match element {
+        HexElement::Hex20 => (0..9).map(|i| DVec3::new(side(i % 3), side(i / 3), 1.0)).collect(),
+        _ => Rule::face(5, 5).points,
+    };
     let tables = space.tables(&points);
-    for face in mesh.group_faces(top) {
-        let (t, _) = space.cell_of_face(face);
+    let mut lowest = 0.0_f64;
+    for (t, _) in mesh.group_faces(top).map(|f| space.cell_of_face(f)) {
         for q in 0..points.len() {
-            let table = tables.of(&space, t);
-            let (y, u) = (space.frame(t, table, q).0.y, space.interpolate(&solution.displacement, t, table, q).z);
-            lowest[0] = lowest[0].min(u);
-            if (y - 0.5).abs() < 1e-12 {
-                lowest[1] = lowest[1].min(u);
-            }
+            lowest = lowest.min(space.interpolate(&solution.displacement, t, tables.of(&space, t), q).z);
         }
     }
-    println!("{lowest:?}");
-    (system.free_dofs(), -lowest[1], solution.compliance)
+    println!("{:?}", Spectrum::of(&system));
+    (system.free_dofs(), -lowest, solution.compliance)
 }
 
 #[test]
@@ -180,7 +170,6 @@ fn a_clamped_bar() {
 /// A constant strain is exact for all elements on cells that are no boxes, when the integrals are.
 #[test]
 fn patch_test() {
-    let _: Result<(), FemError> = Ok(());
     for element in ALL {
         let mut parts = cube(4).into_parts();
         // Vertices inside move; those of the boundary stay.
