@@ -7,7 +7,7 @@ use super::raw::*;
 use super::spanned::Spanned;
 use super::*;
 use crate::output::options::{FieldName, PublishedStep};
-use crate::subdiv::options::{Boundary, CatmullClark, Mode, Objective, Optimise, QualityMeasure, Scheme};
+use crate::subdiv::options::{Boundary, Mode, Objective, Optimise, QualityMeasure, Scheme};
 use std::ops::Range;
 
 /// Most refinement steps a scenario may ask for.
@@ -65,18 +65,22 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
 fn elements(raw: Option<RawAnalysis>) -> Checked<(Element, Option<Hexes>)> {
     let Some(raw) = raw else { return Ok((Element::default(), None)) };
     let kind = raw.element.as_ref().map_or(Ok(Element::default()), |e| e.get_ref().kind());
-    match (kind, raw.masks) {
-        (Err(element), masks) if element.is_smooth() => {
-            let masks = masks.map(|m| *m.get_ref()).unwrap_or_default();
-            Ok((Element::default(), Some(Hexes { element, masks })))
-        }
-        (_, Some(masks)) => {
-            let fault = Fault::new(masks.span(), "is for Catmull-Clark solids", "no masks here");
-            Err(fault.help("set analysis.element = \"catmull-clark\" or \"catmull-clark+\""))
-        }
-        (Err(element), None) => Ok((Element::default(), Some(Hexes { element, masks: CatmullClark::default() }))),
-        (Ok(element), None) => Ok((element, None)),
+    let smooth = kind.is_err_and(HexElement::is_smooth);
+    let idle = |span: Range<usize>, of: &str, element: &str| {
+        let help = format!("leave it out, or set analysis.element = \"{element}\"");
+        Err(Fault::new(span, &format!("is for {of}"), "not with this element").help(&help))
+    };
+    match (&raw.masks, &raw.points, &raw.splits) {
+        (Some(masks), ..) if !smooth => return idle(masks.span(), "Catmull-Clark solids", "catmull-clark"),
+        (_, Some(points), _) if kind.is_ok() => return idle(points.span(), "hexahedra", "hex27"),
+        (.., Some(splits)) if !smooth => return idle(splits.span(), "Catmull-Clark solids", "catmull-clark"),
+        _ => {}
     }
+    let points = raw.points.map(|n| integer(&n, 2..=10)).transpose()?;
+    let splits = raw.splits.map(|n| integer(&n, 0..=3)).transpose()?.unwrap_or(0);
+    let options =
+        HexOptions { masks: raw.masks.map(|m| *m.get_ref()).unwrap_or_default(), points, splits: splits as u32 };
+    Ok((kind.unwrap_or_default(), kind.err().map(|element| Hexes { element, options })))
 }
 
 /// What becomes of mid-side nodes; curved edges need elements with nodes on them.

@@ -24,9 +24,9 @@ pub use shapes::Shape;
 pub use wanted::{Bound, Cells, Exact, Expectation, Extent, Figure, Probe, Quantity, QuantityKind, Subject, Tolerance};
 
 use crate::adapt::options::{Estimator, Marking};
-use crate::fem::options::{Element, HexElement, SolverOptions};
+use crate::fem::options::{Element, HexElement, HexOptions, SolverOptions};
 use crate::output::options::{Compression, FieldName, Published, Units};
-use crate::subdiv::options::{CatmullClark, Options};
+use crate::subdiv::options::Options;
 use serde::Deserialize as _;
 use std::path::{Path, PathBuf};
 
@@ -101,8 +101,8 @@ pub enum Midside {
 pub struct Hexes {
     /// The element.
     pub element: HexElement,
-    /// `analysis.masks`, of Catmull-Clark solids.
-    pub masks: CatmullClark,
+    /// How it is made and integrated.
+    pub options: HexOptions,
 }
 
 /// Where the mesh comes from.

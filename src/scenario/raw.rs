@@ -269,6 +269,8 @@ pub(super) struct RawNormal {
 pub(super) struct RawAnalysis {
     pub element: Option<Spanned<AnyElement>>,
     pub masks: Option<Spanned<CatmullClark>>,
+    pub points: Option<Integer>,
+    pub splits: Option<Integer>,
 }
 
 /// The finite element, of tetrahedra or of hexahedra.

@@ -2,6 +2,7 @@
 
 use super::super::FemError;
 use super::super::loads::Integrals;
+use super::rule::Quadrature;
 use super::{HexLocator, HexSpace, Rule, face_area};
 use crate::mesh::GroupId;
 use glam::DVec3;
@@ -52,12 +53,11 @@ impl Integrals for HexSpace<'_> {
         &self,
         visit: &mut dyn FnMut(usize, &[(u32, f64)], DVec3, f64) -> Result<(), FemError>,
     ) -> Result<(), FemError> {
-        let rule = Rule::cube(POINTS);
-        let tables = self.tables(&rule.points);
+        let quadrature = Quadrature::new(self, POINTS);
         let mut functions = Vec::new();
         for t in 0..self.mesh.cells().len() {
-            let table = tables.of(self, t);
-            for (q, weight) in rule.weights.iter().enumerate() {
+            let (weights, table) = quadrature.of(self, t);
+            for (q, weight) in weights.iter().enumerate() {
                 let (x, jacobian) = self.frame(t, table, q);
                 functions.clear();
                 functions.extend(self.cell(t).iter().copied().zip(table.values_at(q).iter().copied()));

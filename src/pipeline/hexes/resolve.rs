@@ -34,7 +34,7 @@ pub(in super::super) struct ResolvedHexes {
 impl ResolvedHexes {
     /// The functions on a mesh of the problem.
     pub fn space<'m>(&self, mesh: &'m HexMesh) -> HexSpace<'m> {
-        HexSpace::new(mesh, self.hexes.element, self.hexes.masks)
+        HexSpace::new(mesh, self.hexes.element, self.hexes.options)
     }
 }
 
