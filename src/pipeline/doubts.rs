@@ -1,6 +1,5 @@
 //! What a user should doubt about a step, and why a run ended.
 
-use super::richer;
 use super::simulate::Step;
 use crate::output::report::{Report, StepRecord, StopReason};
 use crate::output::table::{count, percent, short};
@@ -74,7 +73,8 @@ pub(super) fn about(step: &Step<'_>, before: Option<&StepRecord>, record: &StepR
 fn locking(step: &Step<'_>) -> Vec<String> {
     let (errors, mesh) = (&step.analysed.errors, step.mesh);
     let (index, unresolved) = (step.index, errors.unresolved.len());
-    let how = if mesh.tets().len() > richer::MOST {
+    let bar = step.analysed.goal.as_ref().is_some_and(|goal| goal.bar.is_nan());
+    let how = if bar || step.analysed.relative_error().is_nan() {
         "their error is not known"
     } else {
         "the estimated error is that of ten-node cells on the same mesh"

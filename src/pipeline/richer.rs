@@ -14,7 +14,7 @@ use crate::fem::{Space, Stress};
 use crate::output::report::PhaseSeconds;
 
 /// Most cells that are solved with ten nodes too, which takes six times the memory. Of more the error stays unknown.
-pub(super) const MOST: usize = 50_000;
+const MOST: usize = 50_000;
 
 /// What ten-node cells say of a solution.
 pub(super) struct Richer {
@@ -33,10 +33,10 @@ impl Richer {
 }
 
 /// Solves with ten-node cells, and takes the errors of cells from there where they are larger; if there are too many cells,
-/// nothing, and errors that are not known.
+/// or no such solution, nothing, and errors that are not known.
 ///
 /// # Errors
-/// As those of the analysis itself.
+/// As those of the analysis itself, but for the solver's.
 pub(super) fn compare(
     analysed: &mut Analysed<'_>,
     name: &str,
@@ -45,15 +45,24 @@ pub(super) fn compare(
     seconds: &mut PhaseSeconds,
 ) -> Result<Option<Richer>, Error> {
     let mesh = analysed.space.mesh();
-    if mesh.tets().len() > MOST {
+    let richer = if mesh.tets().len() > MOST {
+        None
+    } else {
+        let space = Space::new(mesh, Element::Tet10, &[]);
+        // That it cannot be solved is no reason to end the run: thin cells are harder with ten nodes.
+        match solved(space, &format!("{name}, ten-node cells"), problem, plan, None, seconds) {
+            Ok((richer, ..)) => Some(richer),
+            Err(Error::Fem(_)) => None,
+            Err(other) => return Err(other),
+        }
+    };
+    let Some(richer) = richer else {
         let errors = &mut analysed.errors;
         errors.unestimated.extend(&errors.unresolved);
         errors.unestimated.sort_unstable();
         errors.unestimated.dedup();
         return Ok(None);
-    }
-    let space = Space::new(mesh, Element::Tet10, &[]);
-    let (richer, ..) = solved(space, &format!("{name}, ten-node cells"), problem, plan, None, seconds)?;
+    };
     Ok(Some(timed(&mut seconds.estimate, || {
         let (fine, coarse) = (&richer.solution.displacement, &analysed.solution.displacement);
         let between = richer.space.midside().iter().map(|e| e.map(|v| coarse[v as usize])).map(|[p, q]| p.midpoint(q));

@@ -1,7 +1,7 @@
 //! Errors of solutions on hexahedra: estimated by the recovered stress, and true ones where the solution is known.
 
-use super::super::{Exact, FemError, Model, SymTensor, TrueError, System, traction};
 use super::super::loads::{integrate_cells, integrate_faces};
+use super::super::{Exact, FemError, Model, SymTensor, System, TrueError, traction};
 use super::stress::material;
 use super::{HexSolution, HexSpace, RecoveredStress, Rule};
 
@@ -59,7 +59,9 @@ impl Exact {
     pub fn add_loads_on_hexes(&self, space: &HexSpace<'_>, system: &mut System) -> Result<(), FemError> {
         integrate_cells(space, &mut system.loads, |_, x| Ok(self.body_force(x)))?;
         match self.tractions {
-            Some(group) => integrate_faces(space, group, &mut system.loads, |area, x| Ok(traction(self.stress(x), area))),
+            Some(group) => {
+                integrate_faces(space, group, &mut system.loads, |area, x| Ok(traction(self.stress(x), area)))
+            }
             None => Ok(()),
         }
     }

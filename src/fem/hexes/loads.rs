@@ -1,7 +1,7 @@
 //! Integrals over the limit geometry, for loads and foundations.
 
-use super::super::loads::Integrals;
 use super::super::FemError;
+use super::super::loads::Integrals;
 use super::{HexLocator, HexSpace, Rule, face_area};
 use crate::mesh::GroupId;
 use glam::DVec3;

@@ -79,8 +79,7 @@ fn pattern(space: &HexSpace<'_>) -> BlockMatrix {
     let cells = space.mesh().cells().len();
     let of_function = Rows::new(space.points().len(), cells, |t| space.cell(t).iter().map(move |&v| (v, t as u32)));
     let row = |i: usize| {
-        let mut columns: Vec<u32> =
-            of_function.row(i).iter().flat_map(|&t| space.cell(t as usize)).copied().collect();
+        let mut columns: Vec<u32> = of_function.row(i).iter().flat_map(|&t| space.cell(t as usize)).copied().collect();
         columns.sort_unstable();
         columns.dedup();
         columns

@@ -73,7 +73,9 @@ impl<'m> HexSpace<'m> {
     #[must_use]
     pub fn new(mesh: &'m HexMesh, element: HexElement, variant: CatmullClark) -> Self {
         let functions = match element {
-            HexElement::Hex8 | HexElement::Hex20 | HexElement::Hex27 => Functions::Lagrange(Lagrange::new(mesh, element)),
+            HexElement::Hex8 | HexElement::Hex20 | HexElement::Hex27 => {
+                Functions::Lagrange(Lagrange::new(mesh, element))
+            }
             HexElement::CatmullClark => Functions::Limit(Basis::new(mesh, variant, false)),
             HexElement::CatmullClarkPlus => Functions::Limit(Basis::new(mesh, variant, true)),
         };

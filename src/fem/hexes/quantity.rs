@@ -126,7 +126,10 @@ impl HexState<'_> {
         match extent {
             Extent::Cells(cells) => {
                 let inside = |t: &usize| cells.region.is_none_or(|r| r == self.space.mesh().regions()[*t]);
-                (0..self.space.mesh().cells().len()).filter(inside).map(|t| of(t, &|_| true)).fold(f64::NEG_INFINITY, f64::max)
+                (0..self.space.mesh().cells().len())
+                    .filter(inside)
+                    .map(|t| of(t, &|_| true))
+                    .fold(f64::NEG_INFINITY, f64::max)
             }
             Extent::Faces(group) => {
                 let faces = self.space.mesh().group_faces(group).map(|f| self.space.cell_of_face(f));

@@ -56,9 +56,8 @@ struct Projection<'a, 'm> {
 
 impl<'a, 'm> Projection<'a, 'm> {
     fn new(space: &'a HexSpace<'m>, region: usize) -> Self {
-        let cells: Vec<usize> = (0..space.mesh().cells().len())
-            .filter(|&t| space.mesh().regions()[t].0 as usize == region)
-            .collect();
+        let cells: Vec<usize> =
+            (0..space.mesh().cells().len()).filter(|&t| space.mesh().regions()[t].0 as usize == region).collect();
         // One point more than stiffness needs: the products of functions have a higher degree.
         let rule = Rule::cube(space.gauss_points().max(3));
         let tables = space.tables(&rule.points);
@@ -72,7 +71,12 @@ impl<'a, 'm> Projection<'a, 'm> {
     }
 
     /// `sum over cells int N_i g` for a field g given at the points of a cell.
-    fn integrals<T: Send + Copy>(&self, zero: T, of: impl Fn(usize, usize) -> Vec<T> + Sync, add: impl Fn(&mut T, T)) -> Vec<T> {
+    fn integrals<T: Send + Copy>(
+        &self,
+        zero: T,
+        of: impl Fn(usize, usize) -> Vec<T> + Sync,
+        add: impl Fn(&mut T, T),
+    ) -> Vec<T> {
         let mut sums = vec![zero; self.space.points().len()];
         for first in (0..self.cells.len()).step_by(BATCH) {
             let batch = first..self.cells.len().min(first + BATCH);

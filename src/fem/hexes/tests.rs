@@ -8,13 +8,8 @@ use crate::field::VectorField;
 use crate::mesh::GroupId;
 use crate::mesh::hex::generate::box_hexes;
 
-const ALL: [HexElement; 5] = [
-    HexElement::Hex8,
-    HexElement::Hex20,
-    HexElement::Hex27,
-    HexElement::CatmullClark,
-    HexElement::CatmullClarkPlus,
-];
+const ALL: [HexElement; 5] =
+    [HexElement::Hex8, HexElement::Hex20, HexElement::Hex27, HexElement::CatmullClark, HexElement::CatmullClarkPlus];
 
 /// lambda = 1, mu = 0.7.
 fn material() -> Material {
@@ -125,10 +120,7 @@ fn bar(element: HexElement, nx: usize) -> (usize, f64, f64) {
     let model = Model {
         materials: vec![Material { youngs_modulus: 1.0, poissons_ratio: 0.3, density: 0.0 }],
         supports: ["x-min", "x-max"].map(|g| Support::new(g, group(g), [Some(0.0); 3])).to_vec(),
-        loads: vec![Load {
-            name: "load".to_owned(),
-            kind: LoadKind::Traction(top, VectorField::from(DVec3::NEG_Z)),
-        }],
+        loads: vec![Load { name: "load".to_owned(), kind: LoadKind::Traction(top, VectorField::from(DVec3::NEG_Z)) }],
     };
     let system = assemble_hexes(&space, &model).unwrap();
     let solved = solve(&system, &SolverOptions::default(), None).unwrap();
