@@ -81,7 +81,8 @@ pub(super) fn conclude(
 
 /// The warning of a run that refines a mesh with curved edges.
 const STRAIGHTENED: &str = "refined meshes have straight edges: from step 1 on the body is another than at step 0, energies do \
-                            not compare, and stresses at curved surfaces get worse; start from a finer mesh, with \
+                            not compare, and stresses at curved surfaces get worse. Errors from then on contain \
+                            what this changes, by the mesh that was read; to avoid it start from a finer mesh, with \
                             refine.strategy = \"none\"";
 
 /// Reads the mesh, resolves the scenario on it and checks that the supports hold it, before anything is written.

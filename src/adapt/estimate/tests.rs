@@ -177,6 +177,8 @@ fn the_relative_error_compares_with_the_exact_energy() {
     let errors = CellErrors {
         squared: vec![4.0, 5.0],
         unseen: Vec::new(),
+        raised: Vec::new(),
+        unresolved: Vec::new(),
         nodal_stress: Vec::new(),
         recovered: Recovered::default(),
         unestimated: Vec::new(),
@@ -187,6 +189,8 @@ fn the_relative_error_compares_with_the_exact_energy() {
         CellErrors {
             squared: vec![0.0],
             unseen: Vec::new(),
+            raised: Vec::new(),
+            unresolved: Vec::new(),
             nodal_stress: Vec::new(),
             recovered: Recovered::default(),
             unestimated: Vec::new()
