@@ -179,8 +179,8 @@ fn equal_error(e: &EqualError) -> String {
         [e.cells, e.unknowns, e.seconds, e.memory].map(|r| r.map_or("-".to_owned(), |r| figures(r, 3)));
     format!(
         "Global over adaptive at equal {} relative error ({} %)\n\
-         cells {cells}, unknowns {unknowns}, seconds of computing from the start {seconds}, memory {memory}\n\
-         (log-log between steps)",
+         cells {cells}, unknowns {unknowns}, memory {memory},\n\
+         seconds of computing from the start {seconds} (log-log between steps)",
         e.error_source,
         percent(error)
     )
@@ -235,11 +235,11 @@ pub fn table(headers: &str) -> Table {
     table
 }
 
-/// The table as text. Where it is too wide its texts are wrapped, but no column is narrower than the numbers in it, which
-/// would break them into other numbers.
+/// The table as text. Where it is too wide its texts are wrapped, but no column is narrower than the words of its head and the
+/// numbers in it: they would break into other numbers.
 #[must_use]
 pub fn text(mut table: Table) -> String {
-    let widths: Vec<usize> = (0..table.column_count()).map(|column| widest_number(&table, column)).collect();
+    let widths: Vec<usize> = (0..table.column_count()).map(|column| widest_word(&table, column)).collect();
     for (column, width) in table.column_iter_mut().zip(widths) {
         let width = u16::try_from(width).unwrap_or(COLUMNS) + column.padding_width();
         column.set_constraint(ColumnConstraint::LowerBoundary(Width::Fixed(width)));
@@ -247,15 +247,17 @@ pub fn text(mut table: Table) -> String {
     table.trim_fmt()
 }
 
-/// Characters of the longest number in a column, with the comma behind it.
-fn widest_number(table: &Table, column: usize) -> usize {
+/// Characters of the longest number in a column, with the comma behind it, and of the longest word of its head.
+fn widest_word(table: &Table, column: usize) -> usize {
+    let head = table.header().and_then(|row| row.cell_iter().nth(column)).map(Cell::content).unwrap_or_default();
+    let head = head.split_whitespace().map(|word| word.chars().count()).max().unwrap_or(0);
     let cells = table.row_iter().filter_map(|row| row.cell_iter().nth(column));
     let number = |word: &&str| {
         let bare = word.trim_matches(['(', ')', ',', '[', ']']).replace(',', "");
         bare.parse::<f64>().is_ok()
     };
     let widest = |cell: &Cell| cell.content().split_whitespace().filter(number).map(str::len).max();
-    cells.filter_map(widest).max().unwrap_or(0)
+    cells.filter_map(widest).max().unwrap_or(0).max(head)
 }
 
 /// An integer with its thousands apart.
@@ -367,10 +369,10 @@ mod tests {
         let adaptive = run([2799, 4540], [491.0, 596.0], [0.4, 0.3]);
         let text = comparison(&global, &adaptive, &ratios(&global, &adaptive), Some(&published()));
         let line = |start: &str| text.lines().filter(|l| l.starts_with(start)).collect::<Vec<_>>();
-        assert_eq!(line("global 1").len(), 2);
-        assert_eq!(line("base").len(), 2);
+        assert_eq!(line("global 1").len(), 3);
+        assert_eq!(line("base").len(), 3);
         assert!(line("Time, global")[0].contains("12.7 here, 12.7 published (7574 ms / 596 ms)"), "{text}");
-        let beside: Vec<&str> = line("adaptive 1")[1].split_whitespace().collect();
+        let beside: Vec<&str> = line("adaptive 1")[2].split_whitespace().collect();
         assert_eq!(beside[2..6], ["4,540", "4,540", "59.6", "596"]);
         assert!(line("Global over adaptive at equal estimated relative error (30.0 %)").len() == 1, "{text}");
     }

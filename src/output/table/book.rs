@@ -9,7 +9,7 @@ const DIGITS: usize = 7;
 /// Every expectation of every problem beside what came out, and how the problems were solved.
 #[must_use]
 pub fn book(book: &Book) -> String {
-    let mut rows = table("problem\n  quantity|reference|ours|deviation|allowed|slope|");
+    let mut rows = table("problem\n quantity|reference|ours|deviation|allowed|slope|");
     for problem in &book.problems {
         let blank = || [(); 5].map(|()| String::new());
         let fault = if problem.fault.is_some() { "FAIL" } else { "" };
@@ -19,7 +19,7 @@ pub fn book(book: &Book) -> String {
         row(problem.name().to_owned(), blank(), fault);
         for e in &problem.entries {
             let verdict = if e.passes() { "pass" } else { "FAIL" };
-            row(format!("  {}", e.quantity), e.texts(DIGITS), verdict);
+            row(format!(" {}", e.quantity), e.texts(DIGITS), verdict);
         }
     }
     format!("{}\n\n{}\n", text(rows), solved(&book.problems))
