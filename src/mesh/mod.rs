@@ -6,11 +6,12 @@ mod error;
 mod face_rows;
 pub mod features;
 pub mod generate;
+pub mod hex;
 pub mod locate;
 pub mod midside;
 pub mod quality;
 pub mod read;
-mod rows;
+pub(crate) mod rows;
 pub mod surface;
 pub mod topology;
 
@@ -219,17 +220,7 @@ impl TetMesh {
         }
         let group = GroupId(parts.groups.len() as u32);
         parts.groups.push(name.to_owned());
-        // The patch that a selected face of each old patch moves to, made when the first such face is met.
-        let mut inside: Vec<Option<PatchId>> = vec![None; parts.patches.len()];
-        for (face, _) in parts.faces.iter_mut().zip(selected).filter(|(_, selected)| **selected) {
-            let old = face.patch.0 as usize;
-            face.patch = *inside[old].get_or_insert_with(|| {
-                let mut groups = parts.patches[old].clone();
-                groups.push(group);
-                parts.patches.push(groups);
-                PatchId(parts.patches.len() as u32 - 1)
-            });
-        }
+        split_patches(&mut parts.patches, parts.faces.iter_mut().map(|f| &mut f.patch), selected, group);
         Ok((Self { parts, connected: self.connected }, group))
     }
 
@@ -276,6 +267,108 @@ impl TetMesh {
     pub fn diagonal(&self) -> f64 {
         let (lo, hi) = self.bounding_box();
         (hi - lo).length()
+    }
+}
+
+/// What meshes of all kinds of cells have: vertices, named regions of cells and named groups of boundary faces.
+pub trait Tagged: Clone {
+    /// Vertex positions.
+    fn points(&self) -> &[DVec3];
+    /// Number of boundary faces.
+    fn face_count(&self) -> usize;
+    /// Vertices of a boundary face.
+    fn face_corners(&self, face: usize) -> &[u32];
+    /// Outward normal of a boundary face, of the length of its area.
+    fn face_area(&self, face: usize) -> DVec3;
+    /// The sorted groups of a boundary face.
+    fn face_groups(&self, face: usize) -> &[GroupId];
+    /// The mesh with one more group of boundary faces, of which `selected` has one entry a face.
+    ///
+    /// # Errors
+    /// [`MeshError::Inconsistent`] if it has not.
+    fn and_group(self, name: &str, selected: &[bool]) -> Result<(Self, GroupId), MeshError>;
+
+    /// The group of that name.
+    fn group_named(&self, name: &str) -> Option<GroupId> {
+        let index = self.groups().iter().position(|g| g == name)?;
+        u32::try_from(index).ok().map(GroupId)
+    }
+
+    /// Boundary faces of a group, ascending.
+    fn faces_of(&self, group: GroupId) -> impl Iterator<Item = usize> {
+        (0..self.face_count()).filter(move |&f| self.face_groups(f).contains(&group))
+    }
+
+    /// Smallest and largest coordinates of the vertices.
+    fn limits(&self) -> (DVec3, DVec3) {
+        let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        self.points().iter().fold(start, |(lo, hi), &p| (lo.min(p), hi.max(p)))
+    }
+
+    /// Names of the regions, indexed by [`RegionId`].
+    fn region_names(&self) -> &[String];
+    /// Region of each cell.
+    fn regions(&self) -> &[RegionId];
+    /// Names of the groups of boundary faces, indexed by [`GroupId`].
+    fn groups(&self) -> &[String];
+}
+
+impl Tagged for TetMesh {
+    fn points(&self) -> &[DVec3] {
+        self.points()
+    }
+
+    fn face_count(&self) -> usize {
+        self.faces().len()
+    }
+
+    fn face_corners(&self, face: usize) -> &[u32] {
+        &self.faces()[face].vertices
+    }
+
+    fn face_area(&self, face: usize) -> DVec3 {
+        0.5 * features::face_normal(self.points(), self.faces()[face].vertices)
+    }
+
+    fn face_groups(&self, face: usize) -> &[GroupId] {
+        &self.patch_groups()[self.faces()[face].patch.0 as usize]
+    }
+
+    fn and_group(self, name: &str, selected: &[bool]) -> Result<(Self, GroupId), MeshError> {
+        self.with_group(name, selected)
+    }
+
+    fn region_names(&self) -> &[String] {
+        self.region_names()
+    }
+
+    fn regions(&self) -> &[RegionId] {
+        self.regions()
+    }
+
+    fn groups(&self) -> &[String] {
+        self.groups()
+    }
+}
+
+/// Gives the selected faces, whose patches these are, a further group: patches are split so that each still stands for one
+/// set of groups.
+fn split_patches<'a>(
+    patches: &mut Vec<Vec<GroupId>>,
+    faces: impl Iterator<Item = &'a mut PatchId>,
+    selected: &[bool],
+    group: GroupId,
+) {
+    // The patch that a selected face of each old patch moves to, made when the first such face is met.
+    let mut inside: Vec<Option<PatchId>> = vec![None; patches.len()];
+    for (patch, _) in faces.zip(selected).filter(|(_, selected)| **selected) {
+        let old = patch.0 as usize;
+        *patch = *inside[old].get_or_insert_with(|| {
+            let mut groups = patches[old].clone();
+            groups.push(group);
+            patches.push(groups);
+            PatchId(patches.len() as u32 - 1)
+        });
     }
 }
 

@@ -7,6 +7,7 @@ pub mod compare;
 mod describe;
 mod doubts;
 mod forecast;
+pub mod hexes;
 mod hints;
 pub mod inspect;
 mod leftovers;
@@ -29,7 +30,7 @@ pub mod verify;
 pub use model_error::ModelError;
 
 use crate::error::Error;
-use crate::mesh::TetMesh;
+use crate::mesh::Tagged;
 use crate::output::table::{COLUMNS, short};
 use crate::scenario::Scenario;
 use glam::DVec3;
@@ -82,9 +83,9 @@ pub fn print(text: &str) -> Result<(), Error> {
 const ROUNDING: f64 = 1e-12;
 
 /// The corners of a mesh's bounding box, to six figures; coordinates that are rounding beside its diagonal are 0.
-fn span(mesh: &TetMesh) -> String {
-    let (lo, hi) = mesh.bounding_box();
-    let diagonal = mesh.diagonal();
+fn span(mesh: &impl Tagged) -> String {
+    let (lo, hi) = mesh.limits();
+    let diagonal = lo.distance(hi);
     let corner = |p: DVec3| {
         let [x, y, z] = p.to_array().map(|x| if x.abs() < ROUNDING * diagonal { "0".to_owned() } else { short(x, 6) });
         format!("[{x}, {y}, {z}]")

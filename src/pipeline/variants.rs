@@ -145,6 +145,9 @@ fn failures(entries: &[Entry<'_>], reports: &[Report]) -> Option<Error> {
 /// Reads the scenario anew with the overrides of a variant; what it says is said once, by the first.
 fn entry<'a>(scenario: &Scenario, variant: &'a Variant, options: &RunOptions) -> Result<Entry<'a>, Error> {
     let scenario = scenario.variant(&variant.name, &variant.set)?;
+    if scenario.hexes.is_some() {
+        return Err(Error::NothingAdaptive);
+    }
     let problem = prepare(&scenario, &RunOptions { quiet: true, ..options.clone() })?;
     Ok(Entry { variant, scenario, problem })
 }
