@@ -80,11 +80,26 @@ pub enum Error {
     #[diagnostic(help("say where the runs end, such as --set refine.stop.max_cells=20000"))]
     NoStopRule,
     /// Two variants of a comparison would share a folder.
-    #[error("two variants are called `{name}`")]
-    #[diagnostic(help("give each --variant a name of its own, and none that --schemes has"))]
+    #[error("variants `{first}` and `{second}` would share a folder")]
+    #[diagnostic(help(
+        "give each --variant a name of its own, whatever the case of its letters, and none that --schemes has"
+    ))]
     Variants {
-        /// Their name.
-        name: String,
+        /// The name of the first.
+        first: String,
+        /// And of the second.
+        second: String,
+    },
+    /// Variants of a comparison are not as the scenario expects, or miss the error that it asks for.
+    #[error("{sentences}")]
+    #[diagnostic(help(
+        "the results are complete; what holds for some variants only is no fault of the comparison: leave it out of the scenario"
+    ))]
+    VariantsFail {
+        /// One for each of them, with its name.
+        sentences: String,
+        /// The exit code.
+        code: u8,
     },
     /// Quantities of the last step are not what the scenario expects.
     #[error("not as expected: {sentences}")]
@@ -109,11 +124,13 @@ pub enum Error {
     ))]
     NothingExpected,
     /// Scenarios are not as they expect, or could not be run.
-    #[error("not as expected: {failed}")]
+    #[error("not as expected: {failed}{faults}")]
     #[diagnostic(help("the table tells what was expected; where it is from, the scenarios tell"))]
     Unverified {
         /// The names of those that failed.
         failed: String,
+        /// What is wrong with each, where it is not printed otherwise.
+        faults: String,
     },
     /// The run ended before the errors that the scenario asks for were reached.
     #[error("{reached} ({ending})")]
@@ -135,6 +152,7 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Unexpected { .. } | Self::Unverified { .. } => 1,
+            Self::VariantsFail { code, .. } => *code,
             Self::NotVtu { .. } | Self::Variants { .. } => 2,
             Self::Scenario(_)
             | Self::NothingToCompare

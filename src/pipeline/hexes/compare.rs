@@ -1,7 +1,7 @@
 //! `subsolid compare --elements`: one problem with several elements of hexahedra, refined globally.
 
 use super::super::results::write_text;
-use super::super::{RunOptions, print, table, unbroken};
+use super::super::{RunOptions, print};
 use super::simulate::{Loop, simulate};
 use super::{HexResults, prepare};
 use crate::error::Error;
@@ -10,6 +10,7 @@ use crate::output::elements::{self, COSTS, ElementRow, Elements, RESULTS};
 use crate::output::plot::{Panel, panels};
 use crate::output::progress::Progress;
 use crate::output::report::write_json;
+use crate::output::table::{table, text};
 use crate::pipeline::leftovers;
 use crate::scenario::{Hexes, Scenario};
 use std::path::Path;
@@ -42,11 +43,11 @@ pub fn compare_elements(scenario: &Scenario, names: &[String], options: &RunOpti
     }
     let result = Elements { rows };
     let (heads, cells) = elements::table(&result.rows);
-    let mut text = table(&heads);
+    let mut rows = table(&heads.join("|"));
     for row in cells {
-        text.add_row(row);
+        rows.add_row(row);
     }
-    let text = unbroken(text) + "\n";
+    let text = text(rows) + "\n";
     write_json(&folder.join("compare.json"), &result)?;
     write_text(&folder.join("compare.txt"), &text)?;
     draw(&folder, names, &result.rows)?;
