@@ -68,7 +68,7 @@ fn elements(raw: Option<RawAnalysis>) -> Checked<(Element, Option<Hexes>)> {
     let smooth = kind.is_err_and(HexElement::is_smooth);
     let idle = |span: Range<usize>, of: &str, element: &str| {
         let help = format!("leave it out, or set analysis.element = \"{element}\"");
-        Err(Fault::new(span, &format!("is for {of}"), "not with this element").help(&help))
+        Err(Fault::new(span, format!("is for {of}"), "not with this element").help(help))
     };
     match (&raw.masks, &raw.points, &raw.splits) {
         (Some(masks), ..) if !smooth => return idle(masks.span(), "Catmull-Clark solids", "catmull-clark"),
@@ -223,7 +223,7 @@ fn refine(raw: Option<RawRefine>, hexes: Option<Hexes>, has_goal: bool, warnings
     if let (Some(hexes), Strategy::Adaptive, Some(written)) = (hexes, strategy, &raw.strategy) {
         let name = hexes.element.name();
         let fault = Fault::new(written.span(), "is \"adaptive\", but hexahedra are refined globally", "not adaptive");
-        return Err(fault.help(&format!(
+        return Err(fault.help(format!(
             "leave it out or set \"global\"; analysis.element = \"{name}\" has no adaptive refinement"
         )));
     }

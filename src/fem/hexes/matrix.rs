@@ -30,7 +30,7 @@ pub(super) fn stiffness(space: &HexSpace<'_>, materials: &[Material]) -> Result<
         let mut gradients = Mat::<f64>::zeros(3 * n, weights.len());
         for (q, weight) in weights.iter().enumerate() {
             space.at_point(t, table, q, &mut at);
-            if !(at.determinant > 0.0) {
+            if at.determinant.is_nan() || at.determinant <= 0.0 {
                 return Err(FemError::Folded { cell: t, at: at.x, determinant: at.determinant });
             }
             let scale = (weight * at.determinant).sqrt();

@@ -2,7 +2,7 @@
 
 use super::super::assembly::System;
 use super::super::recover::reactions;
-use super::super::{FemError, Material, Model, Solved, SolverInfo, SymTensor};
+use super::super::{Material, Model, Solved, SolverInfo, SymTensor};
 use super::rule::Quadrature;
 use super::{AtPoint, HexSpace, loads};
 use crate::limit::Table;
@@ -34,7 +34,7 @@ pub fn recover_hexes(space: &HexSpace<'_>, model: &Model, system: &System, solve
             let _ = loads::on_faces(space, support.group, &mut |functions, _, area| {
                 let moved: DVec3 = functions.iter().map(|(v, n)| *n * u[*v as usize]).sum();
                 *reaction -= area.length() * support.stiffness * moved;
-                Ok::<(), FemError>(())
+                Ok(())
             });
         }
     }

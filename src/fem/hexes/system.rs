@@ -37,7 +37,7 @@ fn with_foundations(space: &HexSpace<'_>, model: &Model) -> Result<BlockMatrix, 
                     }
                 }
             }
-            Ok::<(), FemError>(())
+            Ok(())
         })?;
     }
     Ok(stiffness)

@@ -89,7 +89,8 @@ fn cube(n: usize) -> HexMesh {
 /// Figures of a prototype in another language, to the digits it gave.
 #[test]
 fn errors_under_the_tractions_of_a_harmonic_potential() {
-    let expected: [(HexElement, &[(usize, f64, f64)]); 4] = [
+    type Rows = &'static [(usize, f64, f64)];
+    let expected: [(HexElement, Rows); 4] = [
         (HexElement::Hex8, &[(2, 0.208, 5e-4), (4, 0.107, 5e-4), (8, 0.0538, 5e-5)]),
         (HexElement::Hex27, &[(2, 0.0189, 5e-5), (4, 4.91e-3, 5e-6), (8, 1.25e-3, 5e-6)]),
         (HexElement::CatmullClark, &[(2, 0.0934, 5e-5), (4, 0.0363, 5e-5), (8, 0.0133, 5e-5)]),

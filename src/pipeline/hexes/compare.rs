@@ -29,7 +29,7 @@ pub fn compare_elements(scenario: &Scenario, names: &[String], options: &RunOpti
     let mut rows = Vec::new();
     for (name, (scenario, hexes)) in names.iter().zip(&variants) {
         let problem =
-            prepare(scenario, *hexes, &RunOptions { quiet: rows.len() > 0 || options.quiet, ..options.clone() })?;
+            prepare(scenario, *hexes, &RunOptions { quiet: !rows.is_empty() || options.quiet, ..options.clone() })?;
         let mut results = HexResults::begin(folder.join(name), scenario, &problem)?;
         let plan = Loop { scenario, memory: options.memory, progress: Progress::new(options.quiet), measure: true };
         let mut measured = Vec::new();
@@ -69,7 +69,7 @@ fn variant(scenario: &Scenario, name: &str) -> Result<(Scenario, Hexes), Error> 
 }
 
 fn draw(folder: &Path, names: &[String], rows: &[ElementRow]) -> Result<(), Error> {
-    for (end, label, cost) in COSTS {
+    for (label, cost) in COSTS {
         let curve = |name: &String, of: fn(&ElementRow) -> f64| {
             let own = rows.iter().filter(|r| r.element == *name);
             (name.clone(), own.map(|r| (cost(r), of(r))).collect())
@@ -78,7 +78,7 @@ fn draw(folder: &Path, names: &[String], rows: &[ElementRow]) -> Result<(), Erro
             title,
             curves: names.iter().map(|name| curve(name, of)).collect(),
         };
-        panels(&folder.join(format!("elements_{end}.svg")), label, &RESULTS.map(panel))?;
+        panels(&folder.join(format!("elements_{label}.svg")), label, &RESULTS.map(panel))?;
     }
     Ok(())
 }
