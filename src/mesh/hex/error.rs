@@ -6,6 +6,10 @@ use glam::DVec3;
 /// Why a hexahedral mesh cannot be used.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum HexError {
+    /// A file cannot be read, or does not hold such a mesh.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    File(#[from] crate::mesh::MeshError),
     /// There is nothing to compute on.
     #[error("the mesh has no hexahedra")]
     #[diagnostic(help(
@@ -134,6 +138,15 @@ pub enum HexError {
         /// Ends of the edge.
         edge: [u32; 2],
         /// Its middle.
+        at: DVec3,
+    },
+    /// No control points whose limit is given.
+    #[error("no control points were found whose limit passes through vertex {vertex} at ({:.4}, {:.4}, {:.4})", at.x, at.y, at.z)]
+    #[diagnostic(help("take the vertices as control points instead, or refine the mesh there"))]
+    NoInterpolation {
+        /// Where the miss is largest.
+        vertex: usize,
+        /// Its position.
         at: DVec3,
     },
     /// Lists that do not fit together.

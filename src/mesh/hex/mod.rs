@@ -6,6 +6,7 @@
 mod error;
 pub mod features;
 pub mod generate;
+pub mod read;
 mod topology;
 
 pub use error::HexError;
