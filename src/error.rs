@@ -3,6 +3,7 @@
 use crate::adapt::AdaptError;
 use crate::fem::FemError;
 use crate::mesh::MeshError;
+use crate::mesh::hex::HexError;
 use crate::output::OutputError;
 use crate::pipeline::ModelError;
 use crate::scenario::ScenarioError;
@@ -18,6 +19,30 @@ pub enum Error {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Mesh(#[from] MeshError),
+    /// The hexahedral mesh cannot be used.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Hex(#[from] HexError),
+    /// The mesh of a scenario cannot be had in hexahedra.
+    #[error("analysis.element = {element:?} needs a mesh of hexahedra, which this one is not")]
+    #[diagnostic(help("use mesh.box, or a tetrahedral element such as \"tet10\""))]
+    NotHexahedra {
+        /// The element asked for.
+        element: &'static str,
+    },
+    /// Elements of hexahedra are compared with others.
+    #[error(
+        "{element:?} is no element of hexahedra: compare --elements takes hex8, hex20, hex27, catmull-clark and catmull-clark+"
+    )]
+    #[diagnostic(help("leave it out; `compare --variant` compares tetrahedral elements"))]
+    ElementsOfHexahedra {
+        /// The element asked for.
+        element: String,
+    },
+    /// A comparison of refinements of tetrahedra is asked for on hexahedra.
+    #[error("hexahedra are refined globally: there is nothing adaptive to compare with")]
+    #[diagnostic(help("compare elements instead: subsolid compare SCENARIO --elements hex27,catmull-clark"))]
+    NothingAdaptive,
     /// Supports, loads and materials do not fit the mesh.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -113,10 +138,12 @@ impl Error {
             Self::NotVtu { .. } | Self::Variants { .. } => 2,
             Self::Scenario(_)
             | Self::NothingToCompare
+            | Self::NothingAdaptive
+            | Self::ElementsOfHexahedra { .. }
             | Self::NoStopRule
             | Self::NoScenarios { .. }
             | Self::NothingExpected => 3,
-            Self::Mesh(_) => 4,
+            Self::Hex(_) | Self::NotHexahedra { .. } | Self::Mesh(_) => 4,
             Self::Model(_) => 5,
             Self::Fem(error) if error.is_model() => 5,
             Self::Fem(_) | Self::Adapt(_) | Self::Output(_) | Self::Print(_) => 6,

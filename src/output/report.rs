@@ -5,7 +5,8 @@
 use super::OutputError;
 use super::atomic::write_atomic;
 use super::options::Units;
-use crate::mesh::{TetMesh, features, quality, topology};
+use crate::mesh::hex::{self, HexMesh};
+use crate::mesh::{Crease, TetMesh, features, quality, topology};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use std::io::{self, Write as _};
@@ -295,6 +296,48 @@ impl MeshCounts {
     }
 }
 
+impl MeshCounts {
+    /// Counts and measures a hexahedral mesh, by its straight edges.
+    #[must_use]
+    pub fn of_hexes(mesh: &HexMesh) -> Self {
+        let features = mesh.creases().iter().filter(|c| c.feature);
+        let length = |c: &Crease| {
+            let [a, b] = c.vertices.map(|v| mesh.points()[v as usize]);
+            a.distance(b)
+        };
+        Self {
+            cells: mesh.cells().len(),
+            nodes: mesh.points().len(),
+            edges: mesh.topology().edges().len(),
+            boundary_faces: mesh.faces().len(),
+            feature_edges: features.clone().count(),
+            feature_length: features.map(length).sum(),
+            volume: mesh.volume(),
+        }
+    }
+}
+
+impl QualityRecord {
+    /// Angles between faces at the corners of hexahedra, and valences.
+    #[must_use]
+    pub fn of_hexes(mesh: &HexMesh) -> Self {
+        let angles: Vec<f64> = (0..mesh.cells().len()).map(|t| hex::min_dihedral(&mesh.cell_points(t))).collect();
+        let used = |v: &u32| !mesh.topology().vertex_cells(*v).is_empty();
+        let valences: Vec<usize> =
+            (0..mesh.points().len() as u32).filter(used).map(|v| mesh.topology().vertex_cells(v).len()).collect();
+        let mean = |sum: f64, count: usize| sum / count.max(1) as f64;
+        Self {
+            worst: angles.iter().copied().fold(f64::INFINITY, f64::min),
+            average: mean(angles.iter().sum(), angles.len()),
+            best: angles.iter().copied().fold(0.0, f64::max),
+            max_valence: valences.iter().copied().max().unwrap_or(0),
+            average_valence: mean(valences.iter().sum::<usize>() as f64, valences.len()),
+            valence_above_50: mean(valences.iter().filter(|v| **v > 50).count() as f64, valences.len()),
+            inverted: 0,
+        }
+    }
+}
+
 impl From<quality::Quality> for QualityRecord {
     fn from(q: quality::Quality) -> Self {
         let quality::Quality { worst, average, best, max_valence, average_valence, valence_above_50, inverted } = q;
@@ -323,7 +366,7 @@ pub fn write_json(path: &Path, record: &impl Serialize) -> Result<(), OutputErro
 }
 
 /// Named values as a JSON object that keeps their order.
-fn as_map<T: Serialize, S: Serializer>(entries: &[(String, T)], serializer: S) -> Result<S::Ok, S::Error> {
+pub(super) fn as_map<T: Serialize, S: Serializer>(entries: &[(String, T)], serializer: S) -> Result<S::Ok, S::Error> {
     let mut map = serializer.serialize_map(Some(entries.len()))?;
     for (name, value) in entries {
         map.serialize_entry(name, value)?;

@@ -3,7 +3,7 @@
 use super::describe::{self, MeshDetails, Region};
 use super::{load, print, select, span, table, wrapped};
 use crate::error::Error;
-use crate::mesh::{GroupId, TetMesh, features, quality, read, topology};
+use crate::mesh::{GroupId, Tagged as _, TetMesh, features, quality, read, topology};
 use crate::output::report::write_json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -97,7 +97,7 @@ pub(super) fn describe_groups(mesh: &TetMesh, count: usize) -> String {
     }
     let mut rows = table(&["group", "faces", "area"]);
     for (id, name) in (0..).map(GroupId).zip(&mesh.groups()[..count]) {
-        let area = select::area(mesh, mesh.group_faces(id));
+        let area = select::area(mesh, mesh.faces_of(id));
         rows.add_row([name.clone(), mesh.group_faces(id).count().to_string(), format!("{area:.6}")]);
     }
     format!("\n{rows}\n")

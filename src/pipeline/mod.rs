@@ -7,6 +7,7 @@ pub mod compare;
 mod describe;
 mod doubts;
 mod forecast;
+pub mod hexes;
 mod hints;
 pub mod inspect;
 mod leftovers;
@@ -29,7 +30,7 @@ pub mod verify;
 pub use model_error::ModelError;
 
 use crate::error::Error;
-use crate::mesh::TetMesh;
+use crate::mesh::Tagged;
 use crate::output::table::short;
 use crate::scenario::Scenario;
 use comfy_table::{Cell, CellAlignment, ColumnConstraint, ContentArrangement, LineStyle, Table, Width, presets};
@@ -115,9 +116,9 @@ fn widest_number(table: &Table, column: usize) -> usize {
 }
 
 /// The corners of a mesh's bounding box, to six figures; coordinates that are rounding beside its diagonal are 0.
-fn span(mesh: &TetMesh) -> String {
-    let (lo, hi) = mesh.bounding_box();
-    let diagonal = mesh.diagonal();
+fn span(mesh: &impl Tagged) -> String {
+    let (lo, hi) = mesh.limits();
+    let diagonal = lo.distance(hi);
     let corner = |p: DVec3| {
         let [x, y, z] = p.to_array().map(|x| if x.abs() < ROUNDING * diagonal { "0".to_owned() } else { short(x, 6) });
         format!("[{x}, {y}, {z}]")

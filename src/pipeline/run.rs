@@ -6,7 +6,7 @@ use super::quantities::failed_expectations;
 use super::resolve::{Resolved, check_supports, resolve_curved};
 use super::results::Results;
 use super::simulate::{Plan, simulate};
-use super::{RunOptions, load::load, print, tolerance, wrapped};
+use super::{RunOptions, hexes, load::load, print, tolerance, wrapped};
 use crate::error::Error;
 use crate::fem::options::Element;
 use crate::output::atomic::ensure_writable_dir;
@@ -33,6 +33,9 @@ pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<Report, Error> {
 
 /// Runs a scenario and writes its results, whatever it expects of them.
 pub(super) fn execute(scenario: &Scenario, options: &RunOptions) -> Result<Report, Error> {
+    if let Some(hexes) = scenario.hexes {
+        return hexes::execute(scenario, hexes, options);
+    }
     let problem = prepare(scenario, options)?;
     let folder = options.folder(scenario);
     ensure_writable_dir(&folder)?;
@@ -49,22 +52,31 @@ pub(super) fn execute(scenario: &Scenario, options: &RunOptions) -> Result<Repor
         plot_curves(&options.folder(scenario), scenario.element, &[("this run", &report)])?;
     }
     results.finish(&report)?;
-    if let Some(path) = &options.json {
-        write_json(path, &report)?;
-    }
-    if !options.quiet {
-        let folder = options.folder(scenario);
-        let reactions = report.steps.last().map(table::reactions).unwrap_or_default();
-        let (units, steps) = (table::units(&report.units), table::steps(&report.steps));
-        let text = format!("{units}{steps}\n{reactions}{}", quantity_tables(&report));
-        let ending = ending(scenario, plan.strategy, &report);
-        print(&format!(
-            "{text}\n{}{ending}\nresults in {}\n",
-            new_warnings("", &report, scenario, &problem),
-            folder.display()
-        ))?;
-    }
+    conclude(scenario, options, &report, &problem.warnings)?;
     Ok(report)
+}
+
+/// Writes the further file for the report, and prints tables, warnings and how the run ended; `said` are warnings of the problem
+/// that were printed before.
+pub(super) fn conclude(
+    scenario: &Scenario,
+    options: &RunOptions,
+    report: &Report,
+    said: &[String],
+) -> Result<(), Error> {
+    if let Some(path) = &options.json {
+        write_json(path, report)?;
+    }
+    if options.quiet {
+        return Ok(());
+    }
+    let folder = options.folder(scenario);
+    let reactions = report.steps.last().map(table::reactions).unwrap_or_default();
+    let (units, steps) = (table::units(&report.units), table::steps(&report.steps));
+    let text = format!("{units}{steps}\n{reactions}{}", quantity_tables(report));
+    let ending = ending(scenario, scenario.refine.strategy, report);
+    let warnings = new_warnings("", report, scenario, said);
+    print(&format!("{text}\n{warnings}{ending}\nresults in {}\n", folder.display()))
 }
 
 /// The warning of a run that refines a mesh with curved edges.
@@ -81,12 +93,23 @@ pub(super) fn prepare(scenario: &Scenario, options: &RunOptions) -> Result<Resol
         problem.warnings.push(STRAIGHTENED.to_owned());
     }
     check_supports(scenario, &problem)?;
-    if !options.quiet {
-        let remarks = file.notes.iter().map(|n| wrapped(&format!("note: {n}")));
-        let warnings = problem.said(scenario).map(|w| wrapped(&format!("warning: {w}")));
-        print(&format!("{}\n{}", scenario.title, remarks.chain(warnings).collect::<String>()))?;
-    }
+    announce(scenario, options, &file.notes, &problem.warnings)?;
     Ok(problem)
+}
+
+/// Prints the title, remarks on the mesh, and warnings of the scenario and of the problem.
+pub(super) fn announce(
+    scenario: &Scenario,
+    options: &RunOptions,
+    notes: &[String],
+    warnings: &[String],
+) -> Result<(), Error> {
+    if options.quiet {
+        return Ok(());
+    }
+    let remarks = notes.iter().map(|n| wrapped(&format!("note: {n}")));
+    let warnings = scenario.warnings.iter().chain(warnings).map(|w| wrapped(&format!("warning: {w}")));
+    print(&format!("{}\n{}", scenario.title, remarks.chain(warnings).collect::<String>()))
 }
 
 /// The tables of true errors, of quantities and of what was expected of them.
@@ -107,9 +130,8 @@ pub(super) fn failure(scenario: &Scenario, strategy: Strategy, report: &Report) 
 }
 
 /// The warnings of a run but for those that were said before it.
-pub(super) fn new_warnings(run: &str, report: &Report, scenario: &Scenario, problem: &Resolved) -> String {
-    let said: Vec<&String> = problem.said(scenario).collect();
-    let new = report.warnings.iter().filter(|w| !said.contains(w));
+pub(super) fn new_warnings(run: &str, report: &Report, scenario: &Scenario, said: &[String]) -> String {
+    let new = report.warnings.iter().filter(|w| !said.contains(w) && !scenario.warnings.contains(w));
     new.map(|w| wrapped(&format!("warning: {run}{w}"))).collect()
 }
 

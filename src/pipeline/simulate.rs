@@ -36,7 +36,7 @@ pub(super) struct Step<'a> {
 }
 
 /// Relative error below which an estimate is rounding.
-const ROUNDING: f64 = 1e-12;
+pub(super) const ROUNDING: f64 = 1e-12;
 
 /// Error bar of a quantity, relative to its value, below which it is the solver's tolerance that it shows: as where a reaction
 /// follows from balance.

@@ -124,6 +124,9 @@ pub fn compare(scenario: &Scenario, variants: &[Variant], options: &RunOptions, 
 fn entry<'a>(scenario: &Scenario, variant: &'a Variant, options: &RunOptions) -> Result<Entry<'a>, Error> {
     let set = [&scenario.overrides[..], &variant.set].concat();
     let scenario = Scenario::from_file(&scenario.path, &set)?;
+    if scenario.hexes.is_some() {
+        return Err(Error::NothingAdaptive);
+    }
     let problem = prepare(&scenario, &RunOptions { quiet: true, ..options.clone() })?;
     Ok(Entry { variant, scenario, problem })
 }

@@ -24,9 +24,9 @@ pub use shapes::Shape;
 pub use wanted::{Bound, Cells, Exact, Expectation, Extent, Figure, Probe, Quantity, QuantityKind, Subject, Tolerance};
 
 use crate::adapt::options::{Estimator, Marking};
-use crate::fem::options::{Element, SolverOptions};
+use crate::fem::options::{Element, HexElement, SolverOptions};
 use crate::output::options::{Compression, FieldName, Published, Units};
-use crate::subdiv::options::Options;
+use crate::subdiv::options::{CatmullClark, Options};
 use serde::Deserialize as _;
 use std::path::{Path, PathBuf};
 
@@ -67,8 +67,10 @@ pub struct Scenario {
     pub refine: Refine,
     /// `mesh.midside`.
     pub midside: Midside,
-    /// `analysis.element`.
+    /// `analysis.element`, if it is one of tetrahedra.
     pub element: Element,
+    /// `analysis.element`, if it is one of hexahedra.
+    pub hexes: Option<Hexes>,
     /// `[adapt]`.
     pub adapt: Adapt,
     /// `[solver]`.
@@ -92,6 +94,15 @@ pub enum Midside {
     Straight,
     /// They are kept: edges are curved until the mesh is refined.
     Curved,
+}
+
+/// The element of a hexahedral mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Hexes {
+    /// The element.
+    pub element: HexElement,
+    /// `analysis.masks`, of Catmull-Clark solids.
+    pub masks: CatmullClark,
 }
 
 /// Where the mesh comes from.

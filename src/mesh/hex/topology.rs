@@ -152,6 +152,12 @@ impl HexTopology {
         self.boundary.binary_search(&face).ok()
     }
 
+    /// The face that is number `index` on the boundary.
+    #[must_use]
+    pub fn boundary_number(&self, index: usize) -> u32 {
+        self.boundary[index]
+    }
+
     /// The edge between two vertices.
     #[must_use]
     pub fn edge(&self, ends: [u32; 2]) -> Option<u32> {

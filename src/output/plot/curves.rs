@@ -36,12 +36,12 @@ pub fn error_curves(
 }
 
 /// A curve in decimal logarithms; the error in percent.
-struct Run<'a> {
-    name: &'a str,
-    points: Vec<(f64, f64)>,
+pub(super) struct Run<'a> {
+    pub name: &'a str,
+    pub points: Vec<(f64, f64)>,
 }
 
-fn logarithms(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+pub(super) fn logarithms(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let points = points.iter().map(|&(paid, error)| (paid.log10(), (100.0 * error).log10()));
     points.filter(|(x, y)| x.is_finite() && y.is_finite()).collect()
 }
@@ -106,7 +106,7 @@ fn draw(page: &Area<'_>, axis: Axis, source: &str, runs: &[Run<'_>]) -> Result<(
 }
 
 /// A disc for the first run, a square for the second, and so on in turns, so that no reader depends on colour.
-fn marker(run: usize, (x, y): (i32, i32), colour: RGBColor) -> Polygon<(i32, i32)> {
+pub(super) fn marker(run: usize, (x, y): (i32, i32), colour: RGBColor) -> Polygon<(i32, i32)> {
     let corners = if run.is_multiple_of(2) { 24 } else { 4 };
     let corner = |i: usize| {
         let angle = std::f64::consts::TAU * (i as f64 + 0.5) / corners as f64;
@@ -127,7 +127,7 @@ fn reference(points: impl Iterator<Item = (f64, f64)> + Clone, degree: u8) -> Ve
 }
 
 /// The range of the values with some room at both ends, at least half a decade.
-fn padded(values: impl Iterator<Item = f64>) -> Range<f64> {
+pub(super) fn padded(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), x| (lo.min(x), hi.max(x)));
     if low > high {
         return 0.0..1.0;
@@ -137,7 +137,7 @@ fn padded(values: impl Iterator<Item = f64>) -> Range<f64> {
 }
 
 /// An axis of logarithms with the numbers they stand for.
-fn marked(range: Range<f64>) -> MarkedAxis {
+pub(super) fn marked(range: Range<f64>) -> MarkedAxis {
     let numbers = ticks::logarithmic(10_f64.powf(range.start), 10_f64.powf(range.end));
     MarkedAxis { range, marks: numbers.iter().map(|x| x.log10()).collect() }
 }
