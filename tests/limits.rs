@@ -50,7 +50,7 @@ fn rows_sum_to_one() {
             for stencils in [control.stencils(variant), control.linear_stencils(), control.limit_stencils(variant)] {
                 for i in 0..stencils.rows() {
                     let sum: f64 = stencils.row(i).map(|e| e.1).sum();
-                    assert!((sum - 1.0).abs() < 2e-15, "{name}: row {i} sums to 1 + {:e}", sum - 1.0);
+                    assert!((sum - 1.0).abs() < 4e-15, "{name}: row {i} sums to 1 + {:e}", sum - 1.0);
                 }
             }
         }
@@ -123,15 +123,30 @@ fn rings_have_the_known_eigenvalues_and_limit_weights() {
         (8, 0.6111, 0.3196),
         (10, 0.6263, 0.3246),
     ];
-    for (n, across, printed) in known {
+    for (n, rounded, printed) in known {
         let mesh = prism(n, 1.0, 4.0, [2, 4]).unwrap().with_creases(30.0, &[]);
         let v = (0..mesh.points().len()).find(|&v| mesh.points()[v].distance(DVec3::new(0.0, 0.0, 2.0)) < 1e-12).unwrap();
         let matrix = ring_matrix(&mesh, v as u32, CatmullClark::Bajaj);
-        let values = matrix.complex_eigenvalues();
-        let count = |want: f64| values.iter().filter(|z| (z.re - want).abs() < 6e-5 && z.im.abs() < 1e-6).count();
-        assert_eq!((count(1.0), count(across)), (1, 2), "valence {n}: {values}");
-        assert!(count(0.5) >= 1);
-        assert!(values.iter().all(|z| z.re > 1.0 - 1e-9 || z.norm() < across.max(0.5) + 6e-5));
+        let size = matrix.nrows();
+        // How many singular values of the matrix less a number vanish.
+        let nullity = |value: f64| {
+            let shifted = &matrix - DMatrix::identity(size, size) * value;
+            shifted.singular_values().iter().filter(|s| **s < 1e-12).count()
+        };
+        // Across the edge, that of Catmull-Clark surfaces; along it, that of a spline.
+        let c = (std::f64::consts::TAU / f64::from(n as u32)).cos();
+        let across = (5.0 + c + ((c + 9.0) * (c + 1.0)).sqrt()) / 16.0;
+        assert!((across - rounded).abs() < 6e-5);
+        assert_eq!((nullity(1.0), nullity(across)), (1, 2), "valence {n}");
+        assert!(nullity(0.5) >= 1);
+        // Without the largest, powers fall as the next.
+        let ones = DMatrix::from_element(size, 1, 1.0);
+        let mut power = matrix.clone();
+        (0..8).for_each(|_| power = &power * &power);
+        let mut rest = &matrix - &ones * power.row(0);
+        (0..6).for_each(|_| rest = &rest * &rest);
+        let rate = rest.norm().powf(1.0 / 64.0);
+        assert!(rate < 1.05 * across.max(0.5), "valence {n}: {rate}");
         for (variant, want, digits) in [(VARIANTS[0], 8.0 / 27.0, 1e-13), (VARIANTS[1], printed, 6e-5)] {
             let limits = Control::of(&mesh).limit_stencils(variant);
             let own = row(&limits, v).iter().find(|e| e.0 as usize == v).unwrap().1;
@@ -256,10 +271,10 @@ fn tables_agree_with_deep_subdivision() {
         for variant in VARIANTS {
             let basis = Basis::new(&mesh, variant, false);
             let values = noisy(mesh.points().len(), 7);
-            for t in one_a_class(&basis) {
+            for (class, t) in one_a_class(&basis).into_iter().enumerate().filter(|(class, _)| class % 3 == 0) {
                 let own: Vec<f64> = basis.cell(t).iter().map(|&a| values[a as usize]).collect();
-                // Down to a vertex of the cell, and by a path inside.
-                for path in 0..10 {
+                // Down to vertices of the cell, and by a path inside.
+                for path in [class / 3 % 8, 7 - class / 3 % 8, 8] {
                     let (mut part, mut control) = ring(&mesh, &values, t);
                     let (mut origin, mut size) = (DVec3::ZERO, 1.0);
                     for level in 0..LEVELS {

@@ -98,7 +98,9 @@ impl Star {
                 break;
             }
         }
-        (0..).zip(weights).filter(|(_, weight)| *weight != 0.0).collect()
+        // Rounding adds up over the steps.
+        let sum: f64 = weights.iter().sum();
+        (0..).zip(weights).filter(|(_, weight)| *weight != 0.0).map(|(i, weight)| (i, weight / sum)).collect()
     }
 
     /// The rows of the ring.
