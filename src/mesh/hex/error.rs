@@ -189,10 +189,14 @@ pub(super) fn check_vertices(count: usize, cells: &[[u32; 8]]) -> Result<(), Hex
     Ok(())
 }
 
-/// The Jacobian of a trilinear cell must be positive at its corners.
-pub(super) fn check_cells(parts: &HexMeshParts) -> Result<(), HexError> {
-    for (cell, &vertices) in parts.cells.iter().enumerate() {
-        let points = vertices.map(|v| parts.points[v as usize]);
+/// Cells of vertices that exist must have eight, and the Jacobian of each must be positive at its corners.
+///
+/// # Errors
+/// [`HexError::VertexOutOfRange`], [`HexError::RepeatedVertex`], [`HexError::Twisted`].
+pub(crate) fn check_cells(points: &[DVec3], cells: &[[u32; 8]]) -> Result<(), HexError> {
+    check_vertices(points.len(), cells)?;
+    for (cell, &vertices) in cells.iter().enumerate() {
+        let points = vertices.map(|v| points[v as usize]);
         for corner in 0..8 {
             let at = DVec3::new((corner & 1) as f64, (corner >> 1 & 1) as f64, (corner >> 2) as f64);
             let frame = jacobian(&points, at);

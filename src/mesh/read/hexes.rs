@@ -6,7 +6,7 @@ use super::raw::Raw;
 use super::error_at;
 #[cfg(test)]
 use super::lists;
-use crate::mesh::hex::{EDGES, HexError, HexMesh, HexMeshParts, HexTopology, QuadFace, cell_volume};
+use crate::mesh::hex::{EDGES, HexError, HexMesh, HexMeshParts, HexTopology, QuadFace, cell_volume, check_cells};
 use crate::mesh::midside::Midside;
 use crate::mesh::topology::sorted2;
 use crate::mesh::{MeshError, Place};
@@ -86,6 +86,7 @@ pub(super) fn build(path: &Path, format: &'static str, mut raw: Raw) -> Result<H
     let points = positions(std::mem::take(&mut raw.nodes.positions), &vertices);
     notes.extend(flip_if_all_inverted(&points, &mut cells));
     let named = |error| in_file_ids(path, error, &raw, &vertices);
+    check_cells(&points, &cells).map_err(named)?;
     let topology = HexTopology::new(points.len(), &cells).map_err(named)?;
     let boundary: Vec<[u32; 4]> = topology.boundary().map(|(_, vertices)| vertices).collect();
     let find = |v: &[u32; 4]| boundary.binary_search_by_key(&sorted4(*v), |&f| sorted4(f)).ok();
