@@ -116,16 +116,12 @@ fn ring_matrix(mesh: &HexMesh, v: u32, variant: CatmullClark) -> DMatrix<f64> {
 
 #[test]
 fn rings_have_the_known_eigenvalues_and_limit_weights() {
-    let known = [
-        (3, 0.4101, 0.2826),
-        (5, 0.5500, 0.3053),
-        (6, 0.5797, 0.3115),
-        (8, 0.6111, 0.3196),
-        (10, 0.6263, 0.3246),
-    ];
+    let known =
+        [(3, 0.4101, 0.2826), (5, 0.5500, 0.3053), (6, 0.5797, 0.3115), (8, 0.6111, 0.3196), (10, 0.6263, 0.3246)];
     for (n, rounded, printed) in known {
         let mesh = prism(n, 1.0, 4.0, [2, 4]).unwrap().with_creases(30.0, &[]);
-        let v = (0..mesh.points().len()).find(|&v| mesh.points()[v].distance(DVec3::new(0.0, 0.0, 2.0)) < 1e-12).unwrap();
+        let v =
+            (0..mesh.points().len()).find(|&v| mesh.points()[v].distance(DVec3::new(0.0, 0.0, 2.0)) < 1e-12).unwrap();
         let matrix = ring_matrix(&mesh, v as u32, CatmullClark::Bajaj);
         let size = matrix.nrows();
         // How many singular values of the matrix less a number vanish.
@@ -293,7 +289,11 @@ fn tables_agree_with_deep_subdivision() {
                     for (c, &v) in part.cells()[0].iter().enumerate() {
                         let want: f64 = limits.row(v as usize).map(|(w, weight)| weight * control[w as usize]).sum();
                         let got: f64 = table.values_at(c).iter().zip(&own).map(|(n, x)| n * x).sum();
-                        assert!((got - want).abs() < 1e-10, "{name}, {variant:?}, cell {t}, {}: {got} {want}", points[c]);
+                        assert!(
+                            (got - want).abs() < 1e-10,
+                            "{name}, {variant:?}, cell {t}, {}: {got} {want}",
+                            points[c]
+                        );
                     }
                 }
             }
@@ -314,7 +314,8 @@ fn sheets(mesh: &HexMesh) -> Vec<u32> {
         while let Some(f) = open.pop() {
             if sheets[f as usize] == NONE {
                 sheets[f as usize] = next;
-                let joints = topology.face_edges()[f as usize].into_iter().filter(|e| topology.edge_cells(*e).len() == 2);
+                let joints =
+                    topology.face_edges()[f as usize].into_iter().filter(|e| topology.edge_cells(*e).len() == 2);
                 open.extend(joints.flat_map(|e| topology.boundary_faces_at(e)));
             }
         }
@@ -444,7 +445,21 @@ fn unfit_meshes_are_refused_by_name() {
     let points = [cube([0.0; 3]), cube([1.0, 0.0, 0.0]), cube([0.9, 0.0, 0.0])].concat();
     let crowded = plain(&points, &[first, [1, 9, 3, 11, 5, 13, 7, 15], [1, 17, 3, 19, 5, 21, 7, 23]]).unwrap_err();
     assert!(matches!(crowded, E::CrowdedFace { cells: [0, 1, 2], .. }), "{crowded}");
-    let inward = plain(&points, &[first, [1, 17, 3, 19, 5, 21, 7, 23].map(|v| if v == 5 { 7 } else if v == 7 { 5 } else { v })]);
+    let inward = plain(
+        &points,
+        &[
+            first,
+            [1, 17, 3, 19, 5, 21, 7, 23].map(|v| {
+                if v == 5 {
+                    7
+                } else if v == 7 {
+                    5
+                } else {
+                    v
+                }
+            }),
+        ],
+    );
     assert!(matches!(inward, Err(E::InwardFace { cells: [0, 1], .. } | E::Twisted { .. })));
 
     // Two cubes that share an edge, or a vertex.
@@ -467,11 +482,7 @@ fn unfit_meshes_are_refused_by_name() {
 fn boundary_faces_that_are_missing_or_foreign_are_named() {
     use subsolid::mesh::hex::HexError as E;
     let mesh = plain(&cube([0.0; 3]), &[[0, 1, 2, 3, 4, 5, 6, 7]]).unwrap();
-    let parts = |faces: Vec<QuadFace>| HexMeshParts {
-        regions: vec![RegionId(0)],
-        faces,
-        ..mesh.clone().into_parts()
-    };
+    let parts = |faces: Vec<QuadFace>| HexMeshParts { regions: vec![RegionId(0)], faces, ..mesh.clone().into_parts() };
     let faces = mesh.faces().to_vec();
     assert!(matches!(HexMesh::new(parts(faces[1..].to_vec())), Err(E::MissingFace { .. })));
     let foreign = QuadFace { vertices: FACES[0].map(|c| c as u32 ^ 7), patch: PatchId(0) };

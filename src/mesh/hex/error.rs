@@ -149,6 +149,17 @@ pub enum HexError {
         /// Its position.
         at: DVec3,
     },
+    /// More cells than can be.
+    #[error("{cells} hexahedra split into eight each, {steps} times, are more than {most}")]
+    #[diagnostic(help("ask for fewer steps"))]
+    TooManyCells {
+        /// Cells there are.
+        cells: usize,
+        /// Steps asked for.
+        steps: usize,
+        /// The most there may be.
+        most: usize,
+    },
     /// Lists that do not fit together.
     #[error("the parts of the mesh do not fit together: {0}")]
     Inconsistent(String),

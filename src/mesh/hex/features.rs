@@ -110,7 +110,18 @@ mod tests {
     #[test]
     fn two_cells_at_an_interior_edge_are_refused_by_name() {
         let cells = vec![[0, 1, 2, 3, 4, 5, 6, 7], [1, 8, 3, 2, 5, 9, 7, 6]];
-        let points = [[0, 0, 0], [2, 0, 0], [0, 2, 0], [1, 1, 0], [0, 0, 1], [2, 0, 1], [0, 2, 1], [1, 1, 1], [4, 4, 0], [4, 4, 1]];
+        let points = [
+            [0, 0, 0],
+            [2, 0, 0],
+            [0, 2, 0],
+            [1, 1, 0],
+            [0, 0, 1],
+            [2, 0, 1],
+            [0, 2, 1],
+            [1, 1, 1],
+            [4, 4, 0],
+            [4, 4, 1],
+        ];
         let own = |t: usize| FACES.map(|f| f.map(|c| cells[t][c]));
         let inner = |f: &[u32; 4]| f.contains(&3) && f.contains(&7);
         let faces = [own(0), own(1)].concat().into_iter().filter(|f| !inner(f));

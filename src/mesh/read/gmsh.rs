@@ -221,7 +221,8 @@ fn skipped(kind: u32) -> Option<usize> {
     })
 }
 
-const ALONE: &str = "mesh the volume with tetrahedra alone (no recombination, no extruded layers), or with hexahedra alone";
+const ALONE: &str =
+    "mesh the volume with tetrahedra alone (no recombination, no extruded layers), or with hexahedra alone";
 
 fn refuse(source: &impl Source, id: u32, kind: u32) -> Result<(), MeshError> {
     let (name, help) = match kind {
@@ -230,5 +231,6 @@ fn refuse(source: &impl Source, id: u32, kind: u32) -> Result<(), MeshError> {
         20..=25 | 29..=36 => ("of third or higher order", "mesh with order 1 or 2 (Gmsh: -order 1)"),
         _ => ("of a type that is not read", "mesh the volume with tetrahedra of order 1 or 2"),
     };
-    Err(source.error(format!("element {id} (Gmsh type {kind}) is {name}; only tetrahedra and hexahedra are computed"), help))
+    Err(source
+        .error(format!("element {id} (Gmsh type {kind}) is {name}; only tetrahedra and hexahedra are computed"), help))
 }

@@ -78,12 +78,7 @@ pub(super) fn groups(raw: &Raw, triangles: &[[u32; 3]], faces: &[[u32; 3]]) -> G
 }
 
 /// Groups of boundary faces, given the place among these of each triangle or quadrilateral, if it is one.
-pub(super) fn grouped(
-    raw: &Raw,
-    tags: &Runs,
-    surfaces: &Runs,
-    places: impl Iterator<Item = Option<usize>>,
-) -> Groups {
+pub(super) fn grouped(raw: &Raw, tags: &Runs, surfaces: &Runs, places: impl Iterator<Item = Option<usize>>) -> Groups {
     let tagged = distinct(tags).iter().any(|&tag| tag != 0);
     let tags = if tagged { tags } else { surfaces };
     let mut found: Vec<(usize, i32)> = Vec::new();

@@ -1,11 +1,11 @@
 //! From the lists of a file to a checked mesh of hexahedra.
 
-use super::groups::{Groups, add_vertex_sets, grouped, patch_numbers, regions};
-use super::nodes::{Index, NONE, number_vertices, positions};
-use super::raw::Raw;
 use super::error_at;
+use super::groups::{Groups, add_vertex_sets, grouped, patch_numbers, regions};
 #[cfg(test)]
 use super::lists;
+use super::nodes::{Index, NONE, number_vertices, positions};
+use super::raw::Raw;
 use crate::mesh::hex::{EDGES, HexError, HexMesh, HexMeshParts, HexTopology, QuadFace, cell_volume, check_cells};
 use crate::mesh::midside::Midside;
 use crate::mesh::topology::sorted2;

@@ -2,11 +2,15 @@
 
 mod analyse;
 mod compare;
+pub(super) mod describe;
 mod resolve;
 mod results;
 mod simulate;
+mod subdivide;
 
 pub use compare::compare_elements;
+pub use describe::HexReport;
+pub use subdivide::{HexSubdivision, subdivide_hexes};
 
 use super::RunOptions;
 use super::leftovers;

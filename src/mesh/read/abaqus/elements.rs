@@ -18,11 +18,9 @@ const TRIANGLES: [&str; 12] =
 const SIX_NODES: [&str; 9] = ["S6", "STRI65", "CPS6", "CPS6M", "CPE6", "CPE6M", "CAX6", "M3D6", "SFM3D6"];
 
 /// Quadrilaterals of four, eight and nine nodes.
-const QUADS: [&str; 14] = [
-    "S4", "S4R", "S4RS", "S4RSW", "S4R5", "CPS4", "CPS4R", "CPE4", "CPE4R", "CAX4", "M3D4", "M3D4R", "R3D4", "SFM3D4",
-];
-const EIGHT_NODES: [&str; 10] =
-    ["S8R", "S8R5", "CPS8", "CPS8R", "CPE8", "CPE8R", "CAX8", "M3D8", "M3D8R", "SFM3D8"];
+const QUADS: [&str; 14] =
+    ["S4", "S4R", "S4RS", "S4RSW", "S4R5", "CPS4", "CPS4R", "CPE4", "CPE4R", "CAX4", "M3D4", "M3D4R", "R3D4", "SFM3D4"];
+const EIGHT_NODES: [&str; 10] = ["S8R", "S8R5", "CPS8", "CPS8R", "CPE8", "CPE8R", "CAX8", "M3D8", "M3D8R", "SFM3D8"];
 
 /// The kind and the number of nodes of a card's elements; `None` if they carry no stiffness here.
 pub(super) fn kind(card: &Card) -> Result<Option<(Kind, usize)>, MeshError> {
@@ -44,5 +42,8 @@ pub(super) fn kind(card: &Card) -> Result<Option<(Kind, usize)>, MeshError> {
         None => return Ok(None),
     };
     let name: String = name.chars().take(40).collect();
-    Err(card.error(format!("elements of type {name}: {refused}"), "mesh the volume with tetrahedra (C3D4 or C3D10), or with hexahedra (C3D8 or C3D20)"))
+    Err(card.error(
+        format!("elements of type {name}: {refused}"),
+        "mesh the volume with tetrahedra (C3D4 or C3D10), or with hexahedra (C3D8 or C3D20)",
+    ))
 }

@@ -68,13 +68,16 @@ pub(super) fn read(path: &Path, text: &str, raw: &mut Raw) -> Result<&'static st
             other => ignored.push(other.to_owned()),
         }
     }
-    for (there, name) in [(nodes, "*NODE"), (raw.element_count() + deck.triangles.len() + deck.quads.len() > 0, "*ELEMENT")] {
+    for (there, name) in
+        [(nodes, "*NODE"), (raw.element_count() + deck.triangles.len() + deck.quads.len() > 0, "*ELEMENT")]
+    {
         if !there && skipped == 0 {
             return Err(cards.error_at_end(format!("there is no {name} card with data"), "write the file again"));
         }
     }
     if skipped > 0 {
-        raw.notes.push(format!("{skipped} lines of elements that are no solids, triangles or quadrilaterals are ignored."));
+        raw.notes
+            .push(format!("{skipped} lines of elements that are no solids, triangles or quadrilaterals are ignored."));
     }
     if !ignored.is_empty() {
         let list: Vec<String> = ignored.iter().map(|keyword| format!("*{keyword}")).collect();

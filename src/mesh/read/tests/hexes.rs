@@ -237,9 +237,8 @@ fn abaqus_faces_are_those_of_its_manual() {
 /// A cube of 20 nodes whose edge between the nodes 2 and 3 is bent, in the order of VTK and Abaqus, and of Gmsh.
 fn bent(order: [usize; 12]) -> (String, String) {
     let corners = ["0 0 0", "2 0 0", "2 2 0", "0 2 0", "0 0 2", "2 0 2", "2 2 2", "0 2 2"];
-    let mids = [
-        "1 0 0", "2.5 1 0", "1 2 0", "0 1 0", "1 0 2", "2 1 2", "1 2 2", "0 1 2", "0 0 1", "2 0 1", "2 2 1", "0 2 1",
-    ];
+    let mids =
+        ["1 0 0", "2.5 1 0", "1 2 0", "0 1 0", "1 0 2", "2 1 2", "1 2 2", "0 1 2", "0 0 1", "2 0 1", "2 2 1", "0 2 1"];
     let nodes: Vec<String> =
         corners.into_iter().chain(order.map(|k| mids[k])).zip(1..).map(|(p, id)| format!("{id} {p}\n")).collect();
     (nodes.concat(), (1..=20).map(|id| format!(" {id}")).collect())
@@ -248,7 +247,8 @@ fn bent(order: [usize; 12]) -> (String, String) {
 #[test]
 fn curved_edges_of_second_order_cells_are_kept() {
     let (nodes, cell) = bent([0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11]);
-    let inp = format!("*NODE\n{nodes}*ELEMENT, TYPE=C3D20R\n1{cell}\n").replace(' ', ", ").replace("ELEMENT, ,", "ELEMENT,");
+    let inp =
+        format!("*NODE\n{nodes}*ELEMENT, TYPE=C3D20R\n1{cell}\n").replace(' ', ", ").replace("ELEMENT, ,", "ELEMENT,");
     // Gmsh goes through the edges from their lowest corners.
     let (nodes, cell) = bent([0, 3, 8, 1, 9, 2, 10, 11, 4, 7, 5, 6]);
     let head = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n20\n";
@@ -277,7 +277,8 @@ fn faults_are_named_by_the_ids_of_the_file() {
     assert_refused(&with_line(MSH2, 34, "9 5 2 2 2 5 6 7 8 9 10 11 99"), 34, &["hexahedron 9", "node 99"]);
     assert_refused(&with_line(MSH2, 34, "9 5 2 2 2 5 6 7 8 9 10 11 11"), 34, &["hexahedron 9", "vertex 11 twice"]);
     assert_refused(&with_line(MSH2, 30, "3 3 2 2 11 4 3 2 99"), 30, &["quadrilateral 3", "node 99"]);
-    let again = MSH2.replace("$Elements\n7", "$Elements\n8").replace("12\n$EndE", "12\n7 5 2 2 2 5 6 7 8 9 10 11 12\n$EndE");
+    let again =
+        MSH2.replace("$Elements\n7", "$Elements\n8").replace("12\n$EndE", "12\n7 5 2 2 2 5 6 7 8 9 10 11 12\n$EndE");
     assert_refused(&again, 35, &["hexahedra 9 and 7", "do not match at face"]);
     assert!(matches!(read_text(&MSH2.replace("5 6 7 8 9 10", "5 6 7")), Err(HexError::File(_))));
 }
@@ -285,14 +286,19 @@ fn faults_are_named_by_the_ids_of_the_file() {
 #[test]
 fn other_and_mixed_cells_are_refused_with_what_fits() {
     let fits = "analysis.element";
-    assert_fault(MSH2, 33, &["element 8 is a hexahedron", "2 hexahedra and no tetrahedra", fits, "catmull-clark", "hex8"]);
+    assert_fault(
+        MSH2,
+        33,
+        &["element 8 is a hexahedron", "2 hexahedra and no tetrahedra", fits, "catmull-clark", "hex8"],
+    );
     assert_refused(super::MSH2, 28, &["2 tetrahedra", "element 8", "no hexahedra", fits, "tet10"]);
     let mixed = with_line(MSH2, 34, "9 4 2 2 2 5 6 7 9");
     assert_refused(&mixed, 34, &["1 tetrahedra", "element 9", "beside 1 hexahedra", "one kind of cells"]);
     assert_fault(&mixed, 33, &["1 hexahedra and 1 tetrahedra"]);
     let wedge = with_line(MSH2, 34, "9 6 2 2 2 5 6 7 9 10 11");
     assert_refused(&wedge, 34, &["element 9", "a prism", "hexahedra alone"]);
-    let surface: String = MSH2.lines().filter(|l| !l.starts_with("8 5") && !l.starts_with("9 5")).map(|l| format!("{l}\n")).collect();
+    let surface: String =
+        MSH2.lines().filter(|l| !l.starts_with("8 5") && !l.starts_with("9 5")).map(|l| format!("{l}\n")).collect();
     assert!(matches!(read_text(&surface.replace("$Elements\n7", "$Elements\n5")), Err(HexError::NoCells)));
 }
 

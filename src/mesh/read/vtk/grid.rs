@@ -78,7 +78,9 @@ fn kind(code: f64, points: usize) -> Kind {
         (1..=4 | 6..=9 | 21 | 23 | 28 | 30 | 34..=36 | 68 | 70, _) => Kind::Skipped,
         (10 | 24 | 71 | 78, _) => Kind::Refused("a tetrahedron with another number of points than 4 or 10"),
         (5 | 22 | 69, _) => Kind::Refused("a triangle with another number of points than 3 or 6"),
-        (11 | 12 | 25 | 29 | 33 | 72 | 79, _) => Kind::Refused("a hexahedron with another number of points than 8, 20 or 27"),
+        (11 | 12 | 25 | 29 | 33 | 72 | 79, _) => {
+            Kind::Refused("a hexahedron with another number of points than 8, 20 or 27")
+        }
         (13 | 26 | 31 | 32 | 73 | 80, _) => Kind::Refused("a wedge, which is not supported yet"),
         (14 | 27 | 37 | 74, _) => Kind::Refused("a pyramid, which is not supported yet"),
         _ => Kind::Refused("of a type that is not read"),
@@ -188,7 +190,8 @@ impl Cell {
             Kind::Quad => raw.quad(id, [node(0)?, node(1)?, node(2)?, node(3)?], [tag, 0], place),
             Kind::Skipped => return Ok(1),
             Kind::Refused(what) => {
-                let message = format!("cell {id} (VTK type {code}) is {what}; only tetrahedra and hexahedra are computed");
+                let message =
+                    format!("cell {id} (VTK type {code}) is {what}; only tetrahedra and hexahedra are computed");
                 return Err((message, "mesh the volume with tetrahedra alone, or with hexahedra alone"));
             }
         }

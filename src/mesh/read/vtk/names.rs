@@ -73,7 +73,8 @@ mod tests {
         let mut raw = Raw::default();
         (0..4).for_each(|id| raw.nodes.push(id, DVec3::ZERO, 0));
         let groups = groups.iter().map(|&byte| f64::from(byte)).collect();
-        let names = Names { regions: vec![98.0, 111.0, 110.0, 101.0, 0.0], groups, faces: faces.to_vec(), quads: Vec::new() };
+        let names =
+            Names { regions: vec![98.0, 111.0, 110.0, 101.0, 0.0], groups, faces: faces.to_vec(), quads: Vec::new() };
         names.apply(&mut raw, 7);
         raw
     }
