@@ -4,7 +4,7 @@ use super::describe::{self, MeshDetails, word};
 use super::forecast::{self, Forecast};
 use super::inspect::{describe_groups, describe_mesh};
 use super::resolve::{Resolved, check_supports, choose_materials};
-use super::{RunOptions, load, print, resolve, wrapped};
+use super::{RunOptions, hexes, load, print, resolve, wrapped};
 use crate::error::Error;
 use crate::mesh::TetMesh;
 use crate::output::options::Units;
@@ -22,6 +22,9 @@ const DIGITS: usize = 6;
 /// # Errors
 /// All that a run would report before it solves.
 pub fn check(scenario: &Scenario, options: &RunOptions) -> Result<(), Error> {
+    if let Some(element) = scenario.hexes {
+        return hexes::check::check(scenario, element, options);
+    }
     let start = Instant::now();
     let file = load::load(scenario)?;
     let given_groups = file.mesh.groups().len();

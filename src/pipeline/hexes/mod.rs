@@ -1,6 +1,7 @@
 //! Scenarios on hexahedra: resolved, solved, estimated, refined globally and written, as those on tetrahedra are.
 
 mod analyse;
+pub(super) mod check;
 mod compare;
 pub(super) mod describe;
 mod resolve;
