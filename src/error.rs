@@ -24,11 +24,13 @@ pub enum Error {
     #[diagnostic(transparent)]
     Hex(#[from] HexError),
     /// The mesh of a scenario cannot be had in hexahedra.
-    #[error("analysis.element = {element:?} needs a mesh of hexahedra, which this one is not")]
-    #[diagnostic(help("use mesh.box, or a tetrahedral element such as \"tet10\""))]
+    #[error("`mesh.{body}` is generated of tetrahedra only, and analysis.element is one of hexahedra")]
+    #[diagnostic(help(
+        "take mesh.box, cylinder, tube, sphere-shell, prism or a file; or an element such as \"tet10\""
+    ))]
     NotHexahedra {
-        /// The element asked for.
-        element: &'static str,
+        /// The key of the body asked for.
+        body: &'static str,
     },
     /// Elements of hexahedra are compared with others.
     #[error(
@@ -80,11 +82,26 @@ pub enum Error {
     #[diagnostic(help("say where the runs end, such as --set refine.stop.max_cells=20000"))]
     NoStopRule,
     /// Two variants of a comparison would share a folder.
-    #[error("two variants are called `{name}`")]
-    #[diagnostic(help("give each --variant a name of its own, and none that --schemes has"))]
+    #[error("variants `{first}` and `{second}` would share a folder")]
+    #[diagnostic(help(
+        "give each --variant a name of its own, whatever the case of its letters, and none that --schemes has"
+    ))]
     Variants {
-        /// Their name.
-        name: String,
+        /// The name of the first.
+        first: String,
+        /// And of the second.
+        second: String,
+    },
+    /// Variants of a comparison are not as the scenario expects, or miss the error that it asks for.
+    #[error("{sentences}")]
+    #[diagnostic(help(
+        "the results are complete; what holds for some variants only is no fault of the comparison: leave it out of the scenario"
+    ))]
+    VariantsFail {
+        /// One for each of them, with its name.
+        sentences: String,
+        /// The exit code.
+        code: u8,
     },
     /// Quantities of the last step are not what the scenario expects.
     #[error("not as expected: {sentences}")]
@@ -109,11 +126,13 @@ pub enum Error {
     ))]
     NothingExpected,
     /// Scenarios are not as they expect, or could not be run.
-    #[error("not as expected: {failed}")]
+    #[error("not as expected: {failed}{faults}")]
     #[diagnostic(help("the table tells what was expected; where it is from, the scenarios tell"))]
     Unverified {
         /// The names of those that failed.
         failed: String,
+        /// What is wrong with each, where it is not printed otherwise.
+        faults: String,
     },
     /// The run ended before the errors that the scenario asks for were reached.
     #[error("{reached} ({ending})")]
@@ -135,6 +154,7 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Unexpected { .. } | Self::Unverified { .. } => 1,
+            Self::VariantsFail { code, .. } => *code,
             Self::NotVtu { .. } | Self::Variants { .. } => 2,
             Self::Scenario(_)
             | Self::NothingToCompare

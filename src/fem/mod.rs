@@ -38,7 +38,7 @@ pub use data::Data;
 pub use error::FemError;
 pub use exact::{Exact, TrueError};
 pub use goal::{Goal, InCells, Share};
-pub use loads::{Integrals, distance_outside, load_forces};
+pub use loads::{InCell, Integrals, OnFace, distance_outside, load_forces};
 pub use material::{double_contraction, traction, von_mises};
 pub use numbering::{Prescribed, prescribed};
 pub use quadrature::FOUR_POINTS;

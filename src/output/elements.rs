@@ -52,7 +52,7 @@ pub struct Elements {
     pub rows: Vec<ElementRow>,
 }
 
-/// What a column shows, with a number that has a logarithm.
+/// What a curve shows: its name, and the number.
 type Measure = (&'static str, fn(&ElementRow) -> f64);
 
 /// What is drawn against [`COSTS`].
@@ -63,12 +63,12 @@ pub const RESULTS: [Measure; 4] = [
     ("CG iterations", |r| r.iterations as f64),
 ];
 
-/// What it is drawn against: the end of a file's name, label, number.
-pub const COSTS: [(&str, &str, fn(&ElementRow) -> f64); 4] = [
-    ("dofs", "unknowns", |r| r.free_dofs as f64),
-    ("cells", "cells", |r| r.cells as f64),
-    ("nonzeros", "numbers in the matrix", |r| r.nonzeros as f64),
-    ("seconds", "seconds on this mesh", |r| r.seconds),
+/// What it is drawn against.
+pub const COSTS: [Measure; 4] = [
+    ("unknowns", |r| r.free_dofs as f64),
+    ("cells", |r| r.cells as f64),
+    ("nonzeros", |r| r.nonzeros as f64),
+    ("seconds", |r| r.seconds),
 ];
 
 /// The cells of the table of a comparison, with its heads.

@@ -81,6 +81,10 @@ pub enum StopReason {
     Seconds,
     /// The estimated error is rounding: there is nothing to refine for.
     Exact,
+    /// Refinement makes curved edges straight, and that alone exceeds an error asked for.
+    StraightEdges,
+    /// The quantity aimed at is zero within its error bar, of which no fraction can be reached.
+    Zero,
     /// The user interrupted.
     Interrupted,
 }
@@ -150,6 +154,8 @@ pub struct ErrorRecord {
     pub relative: f64,
     /// The part of eta that bounds what data make which the elements do not see.
     pub data: f64,
+    /// The part of eta that straight edges make where those that were read are curved.
+    pub straight_edges: f64,
     /// mean(eta_K) / M.
     pub normalised_mean: f64,
     /// mean(eta_K^2) / M^2.
@@ -398,6 +404,7 @@ pub(super) mod tests {
             error: ErrorRecord {
                 energy: 1.5,
                 relative: 0.4,
+                straight_edges: 0.0,
                 data: 0.0,
                 normalised_mean: 0.209,
                 normalised_mean_square: 0.06,

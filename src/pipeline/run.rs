@@ -81,7 +81,8 @@ pub(super) fn conclude(
 
 /// The warning of a run that refines a mesh with curved edges.
 const STRAIGHTENED: &str = "refined meshes have straight edges: from step 1 on the body is another than at step 0, energies do \
-                            not compare, and stresses at curved surfaces get worse; start from a finer mesh, with \
+                            not compare, and stresses at curved surfaces get worse. Errors from then on contain \
+                            what this changes, by the mesh that was read; to avoid it start from a finer mesh, with \
                             refine.strategy = \"none\"";
 
 /// Reads the mesh, resolves the scenario on it and checks that the supports hold it, before anything is written.
@@ -140,7 +141,7 @@ pub(super) fn warnings(run: &str, report: &Report) -> String {
     report.warnings.iter().map(|w| wrapped(&format!("warning: {run}{w}"))).collect()
 }
 
-/// Plots the relative error, the true one where it is known of all runs, against dofs and seconds, and that of several runs
+/// Plots the relative error, the true one where it is known of all runs, against unknowns and seconds, and that of several runs
 /// against memory too.
 pub(super) fn plot_curves(folder: &Path, element: Element, runs: &[(&str, &Report)]) -> Result<(), Error> {
     let degree = match element {
@@ -153,7 +154,7 @@ pub(super) fn plot_curves(folder: &Path, element: Element, runs: &[(&str, &Repor
         let points = report.steps.iter().map(|s| {
             spent += s.seconds.computing();
             let paid = match axis {
-                Axis::Dofs(_) => s.free_dofs as f64,
+                Axis::Unknowns(_) => s.free_dofs as f64,
                 Axis::Seconds => spent,
                 Axis::Memory => s.peak_memory_bytes as f64 / 1e6,
             };
@@ -162,7 +163,7 @@ pub(super) fn plot_curves(folder: &Path, element: Element, runs: &[(&str, &Repor
         ((*name).to_owned(), points.collect())
     };
     let plots = [
-        (Axis::Dofs(degree), "error_dofs.svg"),
+        (Axis::Unknowns(degree), "error_dofs.svg"),
         (Axis::Seconds, "error_seconds.svg"),
         (Axis::Memory, "error_memory.svg"),
     ];

@@ -269,6 +269,9 @@ pub(super) struct RawNormal {
 pub(super) struct RawAnalysis {
     pub element: Option<Spanned<AnyElement>>,
     pub masks: Option<Spanned<CatmullClark>>,
+    pub points: Option<Integer>,
+    pub splits: Option<Integer>,
+    pub interpolate: Option<Spanned<bool>>,
 }
 
 /// The finite element, of tetrahedra or of hexahedra.

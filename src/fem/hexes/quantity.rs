@@ -3,6 +3,7 @@
 use super::super::options::{Field, Total};
 use super::super::quantity::{of_displacement, of_stress};
 use super::super::{Cells, Extent, Model, QuantityKind, SymTensor};
+use super::rule::Quadrature;
 use super::stress::material;
 use super::{HexLocator, HexSolution, HexSpace, RecoveredStress, Rule, face_area};
 use crate::limit::Table;
@@ -98,15 +99,14 @@ impl HexState<'_> {
     }
 
     fn integral(&self, cells: Cells, of: impl Fn(usize, &Table, usize) -> f64 + Sync) -> f64 {
-        let rule = Rule::cube(POINTS);
-        let tables = self.space.tables(&rule.points);
+        let quadrature = Quadrature::new(self.space, POINTS);
         let sums = self.space.of_cells(|t| {
             if cells.region.is_some_and(|r| r != self.space.mesh().regions()[t]) {
                 return 0.0;
             }
-            let table = tables.of(self.space, t);
+            let (weights, table) = quadrature.of(self.space, t);
             let point = |(q, w): (usize, &f64)| w * self.space.frame(t, table, q).1.determinant() * of(t, table, q);
-            rule.weights.iter().enumerate().map(point).sum::<f64>()
+            weights.iter().enumerate().map(point).sum::<f64>()
         });
         sums.iter().sum()
     }

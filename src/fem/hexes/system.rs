@@ -3,7 +3,7 @@
 use super::super::assembly::{Linear, System};
 use super::super::block_matrix::BlockMatrix;
 use super::super::numbering::Dofs;
-use super::super::options::HexElement;
+use super::super::options::{HexElement, HexOptions};
 use super::super::{FemError, Model, check, loads};
 use super::{HexSpace, matrix, prescribed_on_hexes};
 use glam::{DMat3, DVec3};
@@ -37,7 +37,7 @@ fn with_foundations(space: &HexSpace<'_>, model: &Model) -> Result<BlockMatrix, 
                     }
                 }
             }
-            Ok::<(), FemError>(())
+            Ok(())
         })?;
     }
     Ok(stiffness)
@@ -50,7 +50,7 @@ fn linear(space: &HexSpace<'_>, model: &Model, stiffness: &BlockMatrix) -> Resul
     Ok(match space.element() {
         HexElement::Hex8 | HexElement::CatmullClark => None,
         HexElement::Hex20 | HexElement::Hex27 => {
-            let vertices = HexSpace::new(mesh, HexElement::Hex8, Default::default());
+            let vertices = HexSpace::new(mesh, HexElement::Hex8, HexOptions::default());
             let topology = mesh.topology();
             let mut ends = topology.edges().to_vec();
             if space.element() == HexElement::Hex27 {

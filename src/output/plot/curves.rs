@@ -12,8 +12,8 @@ use std::path::Path;
 /// What the error is plotted against.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Axis {
-    /// Degrees of freedom; a line of slope -p/3 shows the best rate of elements of this degree p on smooth solutions.
-    Dofs(u8),
+    /// Unknowns; a line of slope -p/3 shows the best rate of elements of this degree p on smooth solutions.
+    Unknowns(u8),
     /// Seconds since the start of the run.
     Seconds,
     /// Most memory held since the start of the run, in megabytes.
@@ -49,13 +49,13 @@ pub(super) fn logarithms(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
 fn draw(page: &Area<'_>, axis: Axis, source: &str, runs: &[Run<'_>]) -> Result<(), Box<dyn std::error::Error>> {
     let all = || runs.iter().flat_map(|r| &r.points);
     let reference = match axis {
-        Axis::Dofs(degree) => reference(all().copied(), degree),
+        Axis::Unknowns(degree) => reference(all().copied(), degree),
         Axis::Seconds | Axis::Memory => Vec::new(),
     };
     let x = padded(all().map(|p| p.0));
     let y = padded(all().chain(&reference).map(|p| p.1));
     let (title, x_label) = match axis {
-        Axis::Dofs(_) => ("Error against degrees of freedom", "degrees of freedom"),
+        Axis::Unknowns(_) => ("Error against unknowns", "unknowns"),
         Axis::Seconds => ("Error against time", "seconds since the start"),
         Axis::Memory => ("Error against memory", "most memory held since the start, MB"),
     };
@@ -76,7 +76,7 @@ fn draw(page: &Area<'_>, axis: Axis, source: &str, runs: &[Run<'_>]) -> Result<(
         .x_desc(x_label)
         .y_desc(format!("{source} relative error, %"))
         .draw()?;
-    if let (Axis::Dofs(degree), [_, ..]) = (axis, &reference[..]) {
+    if let (Axis::Unknowns(degree), [_, ..]) = (axis, &reference[..]) {
         chart
             .draw_series(DashedLineSeries::new(reference, 8, 6, GREY.stroke_width(2)))?
             .label(format!("slope -{degree}/3"))

@@ -133,6 +133,7 @@ impl Analysed<'_> {
             energy: self.errors.energy(),
             relative: self.relative_error(),
             data: 0.0,
+            straight_edges: 0.0,
             normalised_mean: mean(squared.iter().map(|e| e.sqrt()).sum(), unit),
             normalised_mean_square: mean(squared.iter().sum(), unit * unit),
             true_energy: exact.map(|e| e.energy),

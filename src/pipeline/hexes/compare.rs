@@ -1,7 +1,7 @@
 //! `subsolid compare --elements`: one problem with several elements of hexahedra, refined globally.
 
 use super::super::results::write_text;
-use super::super::{RunOptions, print, table, unbroken};
+use super::super::{RunOptions, print};
 use super::simulate::{Loop, simulate};
 use super::{HexResults, prepare};
 use crate::error::Error;
@@ -10,6 +10,7 @@ use crate::output::elements::{self, COSTS, ElementRow, Elements, RESULTS};
 use crate::output::plot::{Panel, panels};
 use crate::output::progress::Progress;
 use crate::output::report::write_json;
+use crate::output::table::{table, text};
 use crate::pipeline::leftovers;
 use crate::scenario::{Hexes, Scenario};
 use std::path::Path;
@@ -28,7 +29,7 @@ pub fn compare_elements(scenario: &Scenario, names: &[String], options: &RunOpti
     let mut rows = Vec::new();
     for (name, (scenario, hexes)) in names.iter().zip(&variants) {
         let problem =
-            prepare(scenario, *hexes, &RunOptions { quiet: rows.len() > 0 || options.quiet, ..options.clone() })?;
+            prepare(scenario, *hexes, &RunOptions { quiet: !rows.is_empty() || options.quiet, ..options.clone() })?;
         let mut results = HexResults::begin(folder.join(name), scenario, &problem)?;
         let plan = Loop { scenario, memory: options.memory, progress: Progress::new(options.quiet), measure: true };
         let mut measured = Vec::new();
@@ -42,11 +43,11 @@ pub fn compare_elements(scenario: &Scenario, names: &[String], options: &RunOpti
     }
     let result = Elements { rows };
     let (heads, cells) = elements::table(&result.rows);
-    let mut text = table(&heads);
+    let mut rows = table(&heads.join("|"));
     for row in cells {
-        text.add_row(row);
+        rows.add_row(row);
     }
-    let text = unbroken(text) + "\n";
+    let text = text(rows) + "\n";
     write_json(&folder.join("compare.json"), &result)?;
     write_text(&folder.join("compare.txt"), &text)?;
     draw(&folder, names, &result.rows)?;
@@ -68,7 +69,7 @@ fn variant(scenario: &Scenario, name: &str) -> Result<(Scenario, Hexes), Error> 
 }
 
 fn draw(folder: &Path, names: &[String], rows: &[ElementRow]) -> Result<(), Error> {
-    for (end, label, cost) in COSTS {
+    for (label, cost) in COSTS {
         let curve = |name: &String, of: fn(&ElementRow) -> f64| {
             let own = rows.iter().filter(|r| r.element == *name);
             (name.clone(), own.map(|r| (cost(r), of(r))).collect())
@@ -77,7 +78,7 @@ fn draw(folder: &Path, names: &[String], rows: &[ElementRow]) -> Result<(), Erro
             title,
             curves: names.iter().map(|name| curve(name, of)).collect(),
         };
-        panels(&folder.join(format!("elements_{end}.svg")), label, &RESULTS.map(panel))?;
+        panels(&folder.join(format!("elements_{label}.svg")), label, &RESULTS.map(panel))?;
     }
     Ok(())
 }

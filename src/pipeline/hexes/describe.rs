@@ -1,10 +1,11 @@
 //! What a hexahedral mesh is, in numbers and in words.
 
-use super::super::{select, span, table};
+use super::super::{select, span};
 use crate::limit::Basis;
 use crate::mesh::GroupId;
 use crate::mesh::hex::{HexMesh, cell_volume};
 use crate::output::report::{MeshCounts, QualityRecord};
+use crate::output::table::{table, text};
 use crate::subdiv::options::CatmullClark;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -71,7 +72,7 @@ impl HexReport {
     /// The numbers in a table.
     pub(in super::super) fn table(&self, mesh: &HexMesh, format: &str) -> String {
         let (counts, q) = (&self.mesh, &self.quality);
-        let mut rows = table(&["mesh", format]);
+        let mut rows = table(&format!("mesh|{format}"));
         let mut row = |what: &str, value: String| {
             rows.add_row([what.to_owned(), value]);
         };
@@ -88,7 +89,7 @@ impl HexReport {
         row("cells at interior edges", if valences.is_empty() { "none".to_owned() } else { valences.join(", ") });
         row("cells at a vertex", format!("at most {}, average {:.2}", q.max_valence, q.average_valence));
         row("Catmull-Clark", self.smooth());
-        format!("{rows}\n")
+        text(rows) + "\n"
     }
 
     /// What subdivision makes of the mesh.
@@ -120,21 +121,21 @@ pub(in super::super) fn parts(mesh: &HexMesh) -> String {
         *cells += 1;
         *volume += cell_volume(&mesh.cell_points(t));
     }
-    let mut rows = table(&["region", "cells", "volume"]);
+    let mut rows = table("region|cells|volume");
     for (name, (cells, volume)) in mesh.region_names().iter().zip(sums) {
         rows.add_row([name.clone(), cells.to_string(), format!("{volume:.6}")]);
     }
-    let mut text = format!("\n{rows}\n");
+    let mut described = format!("\n{}\n", text(rows));
     if mesh.groups().is_empty() {
-        return text + "\nno groups of boundary faces\n";
+        return described + "\nno groups of boundary faces\n";
     }
-    let mut rows = table(&["group", "faces", "area"]);
+    let mut rows = table("group|faces|area");
     for (id, name) in (0..).map(GroupId).zip(mesh.groups()) {
         let faces: Vec<usize> = mesh.group_faces(id).collect();
         let area = format!("{:.6}", select::area(mesh, faces.iter().copied()));
         rows.add_row([name.clone(), faces.len().to_string(), area]);
     }
     // Writing to a string cannot fail.
-    let _ = write!(text, "\n{rows}\n");
-    text
+    let _ = write!(described, "\n{}\n", text(rows));
+    described
 }

@@ -15,9 +15,6 @@ use crate::scenario::Scenario;
 use glam::DVec3;
 use std::path::PathBuf;
 
-/// Steps of the lattice at which the cells of smooth elements are shown: cubic cells are exact with three.
-const CUBIC: usize = 3;
-
 /// Writes what a run gives, step by step.
 pub(super) struct HexResults<'a> {
     folder: Folder<'a>,
@@ -50,12 +47,7 @@ impl<'a> HexResults<'a> {
 
     fn vtk(&mut self, step: &Step<'_>) -> Result<(), Error> {
         let (space, solution) = (&step.analysed.space, &step.analysed.solution);
-        let order = match space.gauss_points() {
-            2 => 1,
-            3 => 2,
-            _ => CUBIC,
-        };
-        let lattice = Lattice::new(space, order);
+        let lattice = Lattice::new(space, space.degree());
         let displacement = lattice.values(space, &solution.displacement);
         let stress = lattice.each(space, |t, table, q| step.analysed.recovered.at(space, t, table, q));
         let middle = space.tables(&[DVec3::splat(0.5)]);

@@ -86,7 +86,7 @@ pub(super) fn simulate(
 
 fn refine(problem: &ResolvedHexes, mesh: &HexMesh) -> Result<RefinedSolid, Error> {
     Ok(if problem.hexes.element.is_smooth() {
-        catmull_clark::refine(mesh, problem.hexes.masks)?
+        catmull_clark::refine(mesh, problem.hexes.options.masks)?
     } else {
         catmull_clark::split_linearly(mesh)?
     })
