@@ -1,4 +1,5 @@
 //! Hexahedral meshes that are generated: what they measure, and how they are connected.
+#![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;

@@ -143,7 +143,8 @@ fn curved_edges(
         all.extend(EDGES.iter().zip(nodes).map(|([a, b], &node)| (sorted2([own[*a], own[*b]]), node, cell)));
     }
     all.sort_unstable();
-    if let Some([(edge, ..), (_, _, cell)]) = all.array_windows().find(|[a, b]| a.0 == b.0 && at(a.1) != at(b.1)) {
+    let differs = |pair: &[([u32; 2], u32, i64)]| pair[0].0 == pair[1].0 && at(pair[0].1) != at(pair[1].1);
+    if let Some([(edge, ..), (_, _, cell)]) = all.windows(2).find(|pair| differs(pair)) {
         let [a, b] = edge.map(|v| raw.nodes.ids.get(vertices[v as usize] as usize));
         let id = raw.hexes.ids.get(*cell as usize);
         let message = format!("hexahedron {id} has another mid-side node between {a} and {b} than a cell before it");
@@ -180,7 +181,8 @@ fn in_file_ids(path: &Path, mut error: HexError, raw: &Raw, nodes: &[u32]) -> He
         }
         HexError::CrowdedFace { cells: [a, b, c], vertices } => {
             vertices.iter_mut().for_each(node);
-            (element(a), element(b));
+            element(a);
+            element(b);
             element(c)
         }
         HexError::InwardFace { cells: [a, b], vertices } => {

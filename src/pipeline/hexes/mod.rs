@@ -1,7 +1,7 @@
 //! Scenarios on hexahedra: resolved, solved, estimated, refined globally and written, as those on tetrahedra are.
 
 mod analyse;
-pub(super) mod check;
+mod check;
 mod compare;
 pub(super) mod describe;
 mod resolve;
@@ -9,6 +9,7 @@ mod results;
 mod simulate;
 mod subdivide;
 
+pub(super) use check::check_hexes;
 pub use compare::compare_elements;
 pub use describe::HexReport;
 pub use subdivide::{HexSubdivision, subdivide_hexes};

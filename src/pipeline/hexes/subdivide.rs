@@ -59,7 +59,7 @@ pub fn subdivide_hexes(command: &HexSubdivision) -> Result<HexReport, Error> {
     }
     let mut mesh = with_features(file.mesh, command)?;
     let factor = u32::try_from(command.steps).ok().and_then(|steps| 8_usize.checked_pow(steps));
-    if !factor.and_then(|factor| factor.checked_mul(mesh.cells().len())).is_some_and(|count| count <= MAX_CELLS) {
+    if factor.and_then(|factor| factor.checked_mul(mesh.cells().len())).is_none_or(|count| count > MAX_CELLS) {
         let (cells, steps) = (mesh.cells().len(), command.steps);
         return Err(HexError::TooManyCells { cells, steps, most: MAX_CELLS }.into());
     }

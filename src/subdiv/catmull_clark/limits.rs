@@ -162,8 +162,9 @@ fn control_points(limits: &Stencils, given: &[DVec3], close: f64) -> Result<Vec<
             }
             let miss = want - sum;
             points[v] += miss / own;
-            if !(miss.length() <= worst) {
-                (worst, at) = (miss.length(), v);
+            let distance = miss.length();
+            if distance > worst || distance.is_nan() {
+                (worst, at) = (distance, v);
             }
         }
         if worst <= close {
