@@ -1,6 +1,6 @@
 //! Conjugate gradients, preconditioned by multigrid.
 
-use super::amg::{Hierarchy, Real};
+use super::amg::{Hierarchy, Kind, Real};
 use super::{Kept, Problem, Solved, SolverInfo, at_the_limit, not_converged, residual};
 use crate::fem::FemError;
 use crate::fem::block_matrix::{CHUNK, dot, norm};
@@ -10,95 +10,132 @@ use rayon::prelude::*;
 /// Iterations before giving up for good: hundreds of times what well-shaped meshes need.
 pub(super) const MAX_ITERATIONS: usize = 20_000;
 
-/// Iterations after which the single precision of the preconditioner is doubted.
+/// Iterations after which the single precision of the preconditioner is doubted: four times as many as well-shaped meshes need.
 const FEW_ITERATIONS: usize = 100;
 
-/// Restarts from the true residual, when it is larger than the one that the recurrence carries along.
-const MAX_RESTARTS: usize = 3;
+/// Where a restart leaves more than this part of the true residual, more of them would gain nothing.
+const STAGNANT: f64 = 0.5;
 
 /// What to do where the iterations do not suffice.
 const HELP: &str = "use method \"direct\"; else check the supports, nearly flat cells and Poisson's ratio near 1/2, or \
                     accept a larger tolerance";
 
-/// Solves from a guess or from zero (Hestenes and Stiefel 1952), until the true residual is below the tolerance, in at most
-/// `limit` iterations. The preconditioner is kept in single precision, and made anew in double where that fails.
-///
-/// # Errors
-/// [`FemError::NotConverged`], [`FemError::NotPositiveDefinite`]; those of the coarsest problem's factorisation.
-pub(super) fn solve(
-    problem: &Problem,
-    guess: Option<&[DVec3]>,
-    reason: String,
-    limit: usize,
-    kept: &mut Kept,
-) -> Result<Solved, FemError> {
-    let (displacement, remainder) = problem.start(guess);
-    let mut state = State { displacement, remainder, iterations: 0, numbers: 0, relative: 1.0 };
-    state.relative = norm(&state.remainder) / problem.scale;
-    let found = |state: State, reason| {
-        let State { displacement, iterations, relative, numbers, .. } = state;
-        let info = SolverInfo { method: "amg-cg", reason, iterations, residual: relative, nonzeros: numbers };
-        Ok(Solved { displacement, info })
-    };
-    match state.advance(problem, limit.min(FEW_ITERATIONS), &mut kept.hierarchy) {
-        Ok(()) | Err(FemError::NotPositiveDefinite { .. }) => {}
-        Err(error) => return Err(error),
-    }
-    let mut reason = reason;
-    if !problem.accepts(state.relative) && !problem.is_rounding(state.relative, &state.displacement) {
-        reason += &format!("; preconditioner in double precision after {} iterations", state.iterations);
-        state.advance::<f64>(problem, limit, &mut None)?;
-    }
-    if problem.accepts(state.relative) {
-        return found(state, reason);
-    }
-    if problem.is_rounding(state.relative, &state.displacement) {
-        let reason = at_the_limit(&reason, state.relative);
-        return found(state, reason);
-    }
-    Err(not_converged(problem, "conjugate gradients", state.iterations, state.relative, HELP))
-}
-
-/// How far the solution is.
-struct State {
+/// Conjugate gradients (Hestenes and Stiefel 1952) on their way from a guess, or from zero, to a true residual below the tolerance.
+pub(super) struct Run<'a> {
+    problem: &'a Problem<'a>,
     displacement: Vec<DVec3>,
     /// `f - K u` at the unknowns.
     remainder: Vec<DVec3>,
     /// Its norm, relative to that of the right-hand side.
-    relative: f64,
-    iterations: usize,
+    pub relative: f64,
+    pub iterations: usize,
+    /// Whether a restart gained nothing.
+    stagnant: bool,
     /// Numbers stored in the preconditioner.
     numbers: usize,
 }
 
-impl State {
-    /// Iterates until the true residual is accepted, restarts are used up, or `limit` iterations are done in all.
-    /// The preconditioner is the one that is kept, or made to be kept.
+impl<'a> Run<'a> {
+    /// Nothing done yet.
+    pub fn new(problem: &'a Problem<'a>, guess: Option<&[DVec3]>) -> Self {
+        let (displacement, remainder) = problem.start(guess);
+        let relative = norm(&remainder) / problem.scale;
+        Self { problem, displacement, remainder, relative, iterations: 0, stagnant: false, numbers: 0 }
+    }
+
+    /// Iterates with the preconditioner in single precision, which is kept, until the true residual is accepted or stagnates, but not
+    /// for long.
+    ///
+    /// # Errors
+    /// [`FemError::Multigrid`], [`FemError::NotPositiveDefinite`], [`FemError::OutOfRange`]; those of the coarsest problem's
+    /// factorisation.
+    pub fn in_single(&mut self, kept: &mut Kept) -> Result<(), FemError> {
+        self.advance(FEW_ITERATIONS, None, &mut kept.hierarchy)
+    }
+
+    /// Iterates with the preconditioner in double precision; if that breaks down, with sweeps as the only smoother, which need no
+    /// eigenvalues.
+    ///
+    /// # Errors
+    /// As [`Run::in_single`].
+    pub fn in_double(&mut self) -> Result<(), FemError> {
+        match self.advance::<f64>(MAX_ITERATIONS, None, &mut None) {
+            Err(FemError::Multigrid { .. }) => self.advance::<f64>(MAX_ITERATIONS, Some(Kind::Sweeps), &mut None),
+            done => done,
+        }
+    }
+
+    /// Both, one after the other.
+    ///
+    /// # Errors
+    /// As [`Run::in_single`], and those of [`Run::finish`].
+    pub fn to_the_end(mut self, mut reason: String, kept: &mut Kept) -> Result<Solved, FemError> {
+        match self.in_single(kept) {
+            Ok(()) | Err(FemError::Multigrid { .. }) => {}
+            Err(error) => return Err(error),
+        }
+        if !self.is_done() {
+            // What failed need not take memory.
+            kept.hierarchy = None;
+            reason += &format!("; preconditioner in double precision after {} iterations", self.iterations);
+            self.in_double()?;
+        }
+        self.finish(reason)
+    }
+
+    /// Whether the residual is below the tolerance, or has come to rest at the limit of double precision.
+    pub fn is_done(&self) -> bool {
+        self.problem.accepts(self.relative) || (self.stagnant && self.is_rounding())
+    }
+
+    fn is_rounding(&self) -> bool {
+        self.problem.is_rounding(self.relative, &self.displacement)
+    }
+
+    /// The solution.
+    ///
+    /// # Errors
+    /// [`FemError::NotConverged`] if the residual is above the tolerance and above what rounding explains.
+    pub fn finish(self, mut reason: String) -> Result<Solved, FemError> {
+        if !self.problem.accepts(self.relative) {
+            if !self.is_rounding() {
+                return Err(not_converged(self.problem, "conjugate gradients", self.iterations, self.relative, HELP));
+            }
+            reason = at_the_limit(&reason, self.relative);
+        }
+        let Self { displacement, iterations, relative: residual, numbers: nonzeros, .. } = self;
+        let info = SolverInfo { method: "amg-cg", reason, iterations, residual, nonzeros };
+        Ok(Solved { displacement, info })
+    }
+
+    /// Iterates until the true residual is accepted or stagnates, or `limit` iterations are done in all. The preconditioner is the
+    /// one that is kept, or made to be kept.
     fn advance<T: Real>(
         &mut self,
-        problem: &Problem,
         limit: usize,
+        smoother: Option<Kind>,
         kept: &mut Option<Hierarchy<T>>,
     ) -> Result<(), FemError> {
+        let problem = self.problem;
         if problem.accepts(self.relative) {
             return Ok(());
         }
         let system = problem.system;
-        let mask = system.numbering.mask();
         let hierarchy = match kept {
             Some(hierarchy) => hierarchy,
-            None => kept.insert(Hierarchy::new(&system.stiffness, system.linear.as_ref(), &system.points, mask)?),
+            None => kept.insert(Hierarchy::of(system, smoother)?),
         };
         self.numbers = hierarchy.numbers();
-        for _ in 0..=MAX_RESTARTS {
+        self.stagnant = false;
+        while self.iterations < limit && !problem.accepts(self.relative) && !self.stagnant {
+            let before = self.relative;
             let rest = std::mem::take(&mut self.remainder);
             let done = iterate(problem, hierarchy, rest, &mut self.displacement, limit - self.iterations);
             self.remainder = residual(system, &self.displacement);
             self.relative = norm(&self.remainder) / problem.scale;
             self.iterations += done?;
-            if problem.accepts(self.relative) || self.iterations >= limit {
-                break;
-            }
+            // What ends at the limit has not come to rest; NaN has.
+            self.stagnant = self.iterations < limit && !(self.relative < STAGNANT * before);
         }
         Ok(())
     }
@@ -128,7 +165,11 @@ fn iterate<T: Real>(
                 return Err(FemError::OutOfRange { what: "solution" });
             }
             let detail = format!("p.K p = {curvature:.3e}, r.M r = {rho:.3e} in iteration {iteration}");
-            return Err(FemError::NotPositiveDefinite { detail });
+            return Err(if curvature > 0.0 {
+                FemError::Multigrid { detail }
+            } else {
+                FemError::NotPositiveDefinite { detail }
+            });
         }
         let alpha = rho / curvature;
         let squared = step(alpha, &p, &kp, u, &mut r);

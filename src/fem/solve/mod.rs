@@ -16,9 +16,6 @@ use rayon::prelude::*;
 /// a second.
 const SMALL: usize = 5_000;
 
-/// Iterations after which [`Method::Auto`] doubts conjugate gradients: five times as many as well-shaped meshes need.
-const FEW_ITERATIONS: usize = 300;
-
 /// Units of rounding that a residual at the limit of double precision may hold for each term `|K||u| + |f|` of its sums.
 /// A backward stable solution has about one; nodal forces have at most some dozens of terms.
 const ROUNDING_UNITS: f64 = 32.0;
@@ -89,7 +86,7 @@ pub fn solve_keeping(
         return direct::solve(&problem, factor, "factor at hand".to_owned());
     }
     match options.method {
-        Method::AmgCg => cg::solve(&problem, start, "asked for".to_owned(), cg::MAX_ITERATIONS, kept),
+        Method::AmgCg => cg::Run::new(&problem, start).to_the_end("asked for".to_owned(), kept),
         Method::Direct => factorise(&problem, direct::analyse(system)?, "asked for".to_owned(), kept),
         Method::Auto => solve_auto(&problem, start, options.direct_memory_limit, kept),
     }
@@ -106,28 +103,36 @@ fn factorise(
     direct::solve(problem, factor, reason)
 }
 
-/// Direct for small systems; else conjugate gradients, and direct if they converge slowly and memory suffices.
+/// Direct for small systems; else conjugate gradients, and direct if they converge slowly or end above the tolerance, and memory
+/// suffices. Of two solutions above the tolerance the better one.
 fn solve_auto(problem: &Problem, start: Option<&[DVec3]>, limit: u64, kept: &mut Kept) -> Result<Solved, FemError> {
     let unknowns = problem.system.free_dofs();
     let mut reason = format!("{unknowns} unknowns");
+    let mut run = cg::Run::new(problem, start);
     if unknowns > SMALL {
-        match cg::solve(problem, start, format!("{reason}, more than {SMALL}"), FEW_ITERATIONS, kept) {
-            Err(FemError::NotConverged { iterations, residual, .. }) => {
-                reason += &format!(", conjugate gradients at residual {residual:.1e} after {iterations} iterations");
-            }
-            Err(FemError::NotPositiveDefinite { .. }) => reason += ", conjugate gradients broke down",
-            done => return done,
-        }
+        reason += &format!(", more than {SMALL}");
+        let end = match run.in_single(kept) {
+            Ok(()) if problem.accepts(run.relative) => return run.finish(reason),
+            Ok(()) => "",
+            Err(FemError::Multigrid { .. }) => ", where multigrid broke down",
+            Err(error) => return Err(error),
+        };
+        let (residual, iterations) = (run.relative, run.iterations);
+        reason += &format!(", conjugate gradients at residual {residual:.1e} after {iterations} iterations{end}");
     }
     let analysis = direct::analyse(problem.system)?;
     let megabytes = |bytes: u64| bytes as f64 / 1e6;
     let (bytes, most) = (megabytes(analysis.factor_bytes()), megabytes(limit));
     reason += &format!("; the factor takes {bytes:.3} MB, the limit is {most:.3} MB");
-    if analysis.factor_bytes() <= limit {
-        factorise(problem, analysis, reason, kept)
-    } else {
+    if analysis.factor_bytes() > limit {
         drop(analysis);
-        cg::solve(problem, start, reason, cg::MAX_ITERATIONS, kept)
+        return if run.is_done() { run.finish(reason) } else { run.to_the_end(reason, kept) };
+    }
+    kept.hierarchy = None;
+    match factorise(problem, analysis, reason.clone(), kept) {
+        Ok(direct) if direct.info.residual <= problem.tolerance.max(run.relative) => Ok(direct),
+        direct if !run.is_done() => direct,
+        _ => run.finish(reason + "; the direct method did no better"),
     }
 }
 
@@ -146,10 +151,9 @@ impl Multigrid {
     /// Sets it up.
     ///
     /// # Errors
-    /// [`FemError::NotPositiveDefinite`], and those of the factorisation on its last level.
+    /// [`FemError::Multigrid`], and those of the factorisation on its last level.
     pub fn new(system: &System) -> Result<Self, FemError> {
-        let mask = system.numbering.mask();
-        amg::Hierarchy::new(&system.stiffness, system.linear.as_ref(), &system.points, mask).map(Self)
+        amg::Hierarchy::of(system, None).map(Self)
     }
 
     /// One cycle: `z`, about the displacement of the nodal forces `r`, which are zero where displacements are prescribed.
