@@ -71,14 +71,19 @@ impl<'a> Run<'a> {
     /// As [`Run::in_single`], and those of [`Run::finish`].
     pub fn to_the_end(mut self, mut reason: String, kept: &mut Kept) -> Result<Solved, FemError> {
         match self.in_single(kept) {
-            Ok(()) | Err(FemError::Multigrid { .. }) => {}
+            // The last may be rounding too: double precision will tell.
+            Ok(()) | Err(FemError::Multigrid { .. } | FemError::NotPositiveDefinite { .. }) => {}
             Err(error) => return Err(error),
         }
         if !self.is_done() {
             // What failed need not take memory.
             kept.hierarchy = None;
             reason += &format!("; preconditioner in double precision after {} iterations", self.iterations);
-            self.in_double()?;
+            let done = self.in_double();
+            // What breaks down at the limit of double precision has got there.
+            if !self.is_rounding() {
+                done?;
+            }
         }
         self.finish(reason)
     }
@@ -135,7 +140,8 @@ impl<'a> Run<'a> {
             self.relative = norm(&self.remainder) / problem.scale;
             self.iterations += done?;
             // What ends at the limit has not come to rest; NaN has.
-            self.stagnant = self.iterations < limit && !(self.relative < STAGNANT * before);
+            let gained = self.relative < STAGNANT * before;
+            self.stagnant = self.iterations < limit && !gained;
         }
         Ok(())
     }

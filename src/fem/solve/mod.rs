@@ -114,7 +114,7 @@ fn solve_auto(problem: &Problem, start: Option<&[DVec3]>, limit: u64, kept: &mut
         let end = match run.in_single(kept) {
             Ok(()) if problem.accepts(run.relative) => return run.finish(reason),
             Ok(()) => "",
-            Err(FemError::Multigrid { .. }) => ", where multigrid broke down",
+            Err(FemError::Multigrid { .. } | FemError::NotPositiveDefinite { .. }) => ", where they broke down",
             Err(error) => return Err(error),
         };
         let (residual, iterations) = (run.relative, run.iterations);
