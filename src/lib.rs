@@ -7,6 +7,7 @@ pub mod adapt;
 pub mod error;
 pub mod fem;
 pub mod field;
+pub mod limit;
 pub mod mesh;
 pub mod output;
 pub mod pipeline;

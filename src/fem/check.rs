@@ -2,13 +2,13 @@
 
 use super::{FemError, LoadKind, Material, Model};
 use crate::field::Field;
-use crate::mesh::{GroupId, TetMesh};
+use crate::mesh::{GroupId, Tagged};
 
 /// Checks materials, values and groups.
 ///
 /// # Errors
 /// Names the region, support or load at fault.
-pub(super) fn check(mesh: &TetMesh, model: &Model) -> Result<(), FemError> {
+pub(super) fn check(mesh: &impl Tagged, model: &Model) -> Result<(), FemError> {
     for (index, region) in mesh.region_names().iter().enumerate() {
         let problem = match model.materials.get(index) {
             None => Some("there is none".to_owned()),
@@ -66,11 +66,8 @@ fn material_problem(material: &Material) -> Option<String> {
     }
 }
 
-fn check_group(mesh: &TetMesh, group: GroupId, what: &'static str, name: &str) -> Result<(), FemError> {
-    match mesh.group_faces(group).next() {
-        Some(_) => Ok(()),
-        None => Err(FemError::EmptyGroup { what, name: name.to_owned() }),
-    }
+fn check_group(mesh: &impl Tagged, group: GroupId, what: &'static str, name: &str) -> Result<(), FemError> {
+    if mesh.is_empty_group(group) { Err(FemError::EmptyGroup { what, name: name.to_owned() }) } else { Ok(()) }
 }
 
 fn check_finite(values: impl Iterator<Item = f64>, what: &'static str, name: &str) -> Result<(), FemError> {
@@ -80,7 +77,7 @@ fn check_finite(values: impl Iterator<Item = f64>, what: &'static str, name: &st
     }
 }
 
-fn check_density(mesh: &TetMesh, model: &Model, load: &str) -> Result<(), FemError> {
+fn check_density(mesh: &impl Tagged, model: &Model, load: &str) -> Result<(), FemError> {
     let massless = mesh.region_names().iter().zip(&model.materials).find(|(_, m)| m.density == 0.0);
     match massless {
         Some((region, _)) => Err(FemError::NoDensity { load: load.to_owned(), region: region.clone() }),

@@ -27,11 +27,39 @@ const MAX_NAMED: usize = 3;
 /// [`FemError::FreeMotion`] names the motion; others as [`super::assemble`].
 pub fn check_constraints(mesh: &TetMesh, model: &Model) -> Result<(), FemError> {
     check::check(mesh, model)?;
-    let bodies = Bodies::new(mesh);
+    let (part_of, count) = mesh.connected_parts();
+    let bodies = Bodies::new(mesh.points(), mesh.tets(), part_of, count);
     let rows = bodies.constraint_rows(mesh, model, &Dofs::new(&Space::linear(mesh), model)?);
+    check_rows(&bodies, &rows)
+}
+
+/// Displacement components that are held at places: part, place, component, and the support that does it.
+pub(super) type Held = (u32, DVec3, usize, usize);
+
+/// As [`check_constraints`], of cells in connected parts that are held at places.
+///
+/// # Errors
+/// [`FemError::FreeMotion`].
+pub(super) fn check_held<const N: usize>(
+    points: &[DVec3],
+    cells: &[[u32; N]],
+    (part_of, count): (&[u32], usize),
+    held: &[Held],
+) -> Result<(), FemError> {
+    let bodies = Bodies::new(points, cells, part_of, count);
+    let mut rows = bodies.joint_rows(points);
+    for &(part, x, c, support) in held {
+        let coefficients = bodies.parts[part as usize].modes(x, c);
+        rows[part as usize].push(Row { coefficients, other: None, support: Some(support) });
+    }
+    check_rows(&bodies, &rows)
+}
+
+/// Refuses parts that the conditions leave free.
+fn check_rows(bodies: &Bodies, rows: &[Vec<Row>]) -> Result<(), FemError> {
     let (mut motions, mut supports) = (Vec::new(), Vec::new());
     for cluster in bodies.clusters() {
-        let free = free_motions(&cluster, &rows);
+        let free = free_motions(&cluster, rows);
         for (place, &part) in cluster.iter().enumerate() {
             let own = column_space(free.rows(6 * place, 6).into_owned());
             if own.ncols() > 0 {
@@ -92,14 +120,13 @@ struct Row {
 }
 
 impl Bodies {
-    fn new(mesh: &TetMesh) -> Self {
-        let (part_of, count) = mesh.connected_parts();
+    fn new<const N: usize>(points: &[DVec3], cells: &[[u32; N]], part_of: &[u32], count: usize) -> Self {
         let mut parts = vec![Body { cells: 0, lo: DVec3::INFINITY, hi: DVec3::NEG_INFINITY }; count];
-        let mut part_at = vec![u32::MAX; mesh.points().len()];
+        let mut part_at = vec![u32::MAX; points.len()];
         let mut joints = Vec::new();
-        for (tet, &part) in mesh.tets().iter().zip(part_of) {
+        for (cell, &part) in cells.iter().zip(part_of) {
             parts[part as usize].cells += 1;
-            for &v in tet {
+            for &v in cell {
                 let first = &mut part_at[v as usize];
                 if *first == u32::MAX {
                     *first = part;
@@ -112,7 +139,7 @@ impl Bodies {
         joints.dedup();
         let first = (0..).zip(&part_at).filter(|(_, part)| **part != u32::MAX).map(|(v, part)| (v, *part));
         for (v, part) in first.chain(joints.iter().map(|&(v, _, other)| (v as usize, other))) {
-            let (body, x) = (&mut parts[part as usize], mesh.points()[v]);
+            let (body, x) = (&mut parts[part as usize], points[v]);
             (body.lo, body.hi) = (body.lo.min(x), body.hi.max(x));
         }
         Self { parts, part_at, joints }
@@ -121,7 +148,7 @@ impl Bodies {
     /// The conditions of the supports and joints, by part; those of a joint with the first of its two.
     fn constraint_rows(&self, mesh: &TetMesh, model: &Model, numbering: &Dofs) -> Vec<Vec<Row>> {
         let modes = |part: u32, v: u32, c: usize| self.parts[part as usize].modes(mesh.points()[v as usize], c);
-        let mut rows: Vec<Vec<Row>> = self.parts.iter().map(|_| Vec::new()).collect();
+        let mut rows = self.joint_rows(mesh.points());
         for p in numbering.prescribed() {
             let part = self.part_at[p.node as usize];
             let coefficients = modes(part, p.node, p.component as usize);
@@ -136,6 +163,13 @@ impl Bodies {
                 rows[part as usize].extend(held.iter().map(|&c| row(c)));
             }
         }
+        rows
+    }
+
+    /// The conditions of the joints, each with the first of its two parts.
+    fn joint_rows(&self, points: &[DVec3]) -> Vec<Vec<Row>> {
+        let modes = |part: u32, v: u32, c: usize| self.parts[part as usize].modes(points[v as usize], c);
+        let mut rows: Vec<Vec<Row>> = self.parts.iter().map(|_| Vec::new()).collect();
         for &(v, a, b) in &self.joints {
             let row = |c| Row { coefficients: modes(a, v, c), other: Some((b, modes(b, v, c))), support: None };
             rows[a as usize].extend((0..3).map(row));

@@ -96,6 +96,19 @@ pub enum FemError {
         /// The supports that hold these parts, as far as they are held, by index; ascending.
         supports: Vec<usize>,
     },
+    /// A cell of a curved geometry is turned inside out.
+    #[error(
+        "cell {cell} is folded near ({:.4}, {:.4}, {:.4}): its Jacobian is {determinant:.3e} there", at.x, at.y, at.z
+    )]
+    #[diagnostic(help("move its control points or nodes apart; near sharp edges tag creases, so that they are not rounded off"))]
+    Folded {
+        /// Cell index.
+        cell: usize,
+        /// Where.
+        at: DVec3,
+        /// The Jacobian determinant.
+        determinant: f64,
+    },
     /// Numbers that overflow, or are lost in underflow.
     #[error("the {what} leaves the range of double precision (about 1e-154 to 1e154 where squares are taken)")]
     #[diagnostic(help(
@@ -169,6 +182,7 @@ impl FemError {
             | Self::NotFiniteAt { .. }
             | Self::NegativeStiffness { .. }
             | Self::ConflictingSupports { .. }
+            | Self::Folded { .. }
             | Self::FreeMotion { .. } => true,
             Self::OutOfRange { .. }
             | Self::NotPositiveDefinite { .. }

@@ -5,9 +5,82 @@ use crate::field::{Field, VectorField};
 use crate::mesh::{GroupId, TetMesh};
 use glam::DVec3;
 
+/// What loads need of the elements of a mesh, whatever their cells: integrals over boundary faces and cells by quadrature.
+pub trait Integrals {
+    /// Number of functions: nodes.
+    fn functions(&self) -> usize;
+    /// Region of a cell.
+    fn region(&self, cell: usize) -> usize;
+    /// Visits quadrature points of a group's faces: the functions there with their values, place, and outward area vector.
+    ///
+    /// # Errors
+    /// The visitor's.
+    fn on_faces(
+        &self,
+        group: GroupId,
+        visit: &mut dyn FnMut(&[(u32, f64)], DVec3, DVec3) -> Result<(), FemError>,
+    ) -> Result<(), FemError>;
+    /// Visits quadrature points of all cells: cell, the functions there with their values, place, and volume.
+    ///
+    /// # Errors
+    /// The visitor's.
+    fn in_cells(
+        &self,
+        visit: &mut dyn FnMut(usize, &[(u32, f64)], DVec3, f64) -> Result<(), FemError>,
+    ) -> Result<(), FemError>;
+    /// The functions at a place in the body, or at its point nearest to it.
+    fn at_place(&self, x: DVec3) -> Vec<(u32, f64)>;
+}
+
+impl Integrals for Space<'_> {
+    fn functions(&self) -> usize {
+        self.points().len()
+    }
+
+    fn region(&self, cell: usize) -> usize {
+        self.mesh().regions()[cell].0 as usize
+    }
+
+    fn on_faces(
+        &self,
+        group: GroupId,
+        visit: &mut dyn FnMut(&[(u32, f64)], DVec3, DVec3) -> Result<(), FemError>,
+    ) -> Result<(), FemError> {
+        let mut functions = Vec::new();
+        for face in self.mesh().group_faces(group) {
+            for (l, x, area) in self.face_rule(face) {
+                functions.clear();
+                functions.extend(self.face(face).zip(self.face_shape(l)));
+                visit(&functions, x, area)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn in_cells(
+        &self,
+        visit: &mut dyn FnMut(usize, &[(u32, f64)], DVec3, f64) -> Result<(), FemError>,
+    ) -> Result<(), FemError> {
+        let mut functions = Vec::new();
+        for t in 0..self.mesh().tets().len() {
+            for (l, x, volume) in self.cell_rule(t) {
+                functions.clear();
+                functions.extend(self.cell(t).zip(self.shape(l)));
+                visit(t, &functions, x, volume)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn at_place(&self, x: DVec3) -> Vec<(u32, f64)> {
+        let host = host(self.mesh(), x);
+        self.cell(host.cell).zip(self.shape(host.weights)).collect()
+    }
+}
+
 /// The force at each node, `f_i = int N_i t dA + int N_i b dV`, summed in the order of the model.
-pub(super) fn nodal_forces(space: &Space<'_>, model: &Model) -> Result<Vec<DVec3>, FemError> {
-    let mut forces = vec![DVec3::ZERO; space.points().len()];
+pub(super) fn nodal_forces(space: &impl Integrals, model: &Model) -> Result<Vec<DVec3>, FemError> {
+    let mut forces = vec![DVec3::ZERO; space.functions()];
     model.loads.iter().try_for_each(|load| add(space, model, load, &mut forces))?;
     Ok(forces)
 }
@@ -16,13 +89,13 @@ pub(super) fn nodal_forces(space: &Space<'_>, model: &Model) -> Result<Vec<DVec3
 ///
 /// # Errors
 /// [`FemError::NotFiniteAt`] names the point where an expression has no finite value.
-pub fn load_forces(space: &Space<'_>, model: &Model, load: &Load) -> Result<Vec<DVec3>, FemError> {
-    let mut forces = vec![DVec3::ZERO; space.points().len()];
+pub fn load_forces(space: &impl Integrals, model: &Model, load: &Load) -> Result<Vec<DVec3>, FemError> {
+    let mut forces = vec![DVec3::ZERO; space.functions()];
     add(space, model, load, &mut forces)?;
     Ok(forces)
 }
 
-fn add(space: &Space<'_>, model: &Model, load: &Load, forces: &mut [DVec3]) -> Result<(), FemError> {
+fn add(space: &impl Integrals, model: &Model, load: &Load, forces: &mut [DVec3]) -> Result<(), FemError> {
     match &load.kind {
         LoadKind::Traction(group, field) => {
             integrate_faces(space, *group, forces, |area, x| Ok(area.length() * vector(field, x, load)?))?;
@@ -35,13 +108,11 @@ fn add(space: &Space<'_>, model: &Model, load: &Load, forces: &mut [DVec3]) -> R
             integrate_faces(space, *group, forces, |area, _| Ok(area.length() * traction))?;
         }
         LoadKind::PointForce(x, force) => {
-            let host = host(space.mesh(), *x);
-            let shape = space.shape(host.weights);
-            space.cell(host.cell).zip(shape).for_each(|(v, n)| forces[v as usize] += n * *force);
+            space.at_place(*x).into_iter().for_each(|(v, n)| forces[v as usize] += n * *force);
         }
         LoadKind::BodyForce(field) => integrate_cells(space, forces, |_, x| vector(field, x, load))?,
         LoadKind::Gravity(acceleration) => {
-            let density = |t: usize| model.materials[space.mesh().regions()[t].0 as usize].density;
+            let density = |t: usize| model.materials[space.region(t)].density;
             integrate_cells(space, forces, |t, _| Ok(density(t) * *acceleration))?;
         }
     }
@@ -49,40 +120,41 @@ fn add(space: &Space<'_>, model: &Model, load: &Load, forces: &mut [DVec3]) -> R
 }
 
 /// Integrates `N_i` times a force, a function of the outward area vector and of the place.
-fn integrate_faces(
-    space: &Space<'_>,
+pub(super) fn integrate_faces(
+    space: &impl Integrals,
     group: GroupId,
     forces: &mut [DVec3],
     force: impl Fn(DVec3, DVec3) -> Result<DVec3, FemError>,
 ) -> Result<(), FemError> {
-    for face in space.mesh().group_faces(group) {
-        for (l, x, area) in space.face_rule(face) {
-            let force = force(area, x)?;
-            space.face(face).zip(space.face_shape(l)).for_each(|(v, n)| forces[v as usize] += n * force);
-        }
-    }
-    Ok(())
+    space.on_faces(group, &mut |functions, x, area| {
+        let force = force(area, x)?;
+        functions.iter().for_each(|(v, n)| forces[*v as usize] += *n * force);
+        Ok(())
+    })
 }
 
 /// Integrates `N_i` times a force per volume, a function of the cell and of the place.
-fn integrate_cells(
-    space: &Space<'_>,
+pub(super) fn integrate_cells(
+    space: &impl Integrals,
     forces: &mut [DVec3],
     density: impl Fn(usize, DVec3) -> Result<DVec3, FemError>,
 ) -> Result<(), FemError> {
-    for t in 0..space.mesh().tets().len() {
-        for (l, x, volume) in space.cell_rule(t) {
-            let force = volume * density(t, x)?;
-            space.cell(t).zip(space.shape(l)).for_each(|(v, n)| forces[v as usize] += n * force);
-        }
-    }
-    Ok(())
+    space.in_cells(&mut |t, functions, x, volume| {
+        let force = volume * density(t, x)?;
+        functions.iter().for_each(|(v, n)| forces[*v as usize] += *n * force);
+        Ok(())
+    })
 }
 
 /// The area of the faces of a group.
-pub(super) fn group_area(space: &Space<'_>, group: GroupId) -> f64 {
-    let faces = space.mesh().group_faces(group);
-    faces.flat_map(|f| space.face_rule(f)).map(|(_, _, area)| area.length()).sum()
+pub(super) fn group_area(space: &impl Integrals, group: GroupId) -> f64 {
+    let mut sum = 0.0;
+    // The visitor has no errors.
+    let _ = space.on_faces(group, &mut |_, _, area| {
+        sum += area.length();
+        Ok(())
+    });
+    sum
 }
 
 /// The value of a load's field.

@@ -43,6 +43,11 @@ impl Dofs {
         for v in (0..space.mesh().tets().len()).flat_map(|t| space.cell(t)) {
             used[v as usize] = true;
         }
+        Self::from_used(used, prescribed)
+    }
+
+    /// Numbers the nodes that are used, when the prescribed components are given, sorted and each once.
+    pub fn from_used(used: Vec<bool>, prescribed: Vec<Prescribed>) -> Self {
         let mut mask: Vec<DVec3> = used.into_iter().map(|used| DVec3::splat(f64::from(u8::from(used)))).collect();
         for p in &prescribed {
             mask[p.node as usize][p.component as usize] = 0.0;
@@ -115,19 +120,32 @@ pub fn prescribed(space: &Space<'_>, model: &Model) -> Result<Vec<Prescribed>, F
             }
         }
     }
+    merged(all, model, space.points(), space.mesh().diagonal())
+}
+
+/// The prescribed components of nodes at these places, each once, sorted by node and component.
+///
+/// # Errors
+/// [`FemError::ConflictingSupports`].
+pub(super) fn merged(
+    mut all: Vec<Prescribed>,
+    model: &Model,
+    points: &[DVec3],
+    diagonal: f64,
+) -> Result<Vec<Prescribed>, FemError> {
     all.sort_unstable_by_key(|p| (p.node, p.component, p.support));
     let same = |a: &Prescribed, b: &Prescribed| (a.node, a.component) == (b.node, b.component);
-    let nothing = NOTHING * space.mesh().diagonal();
+    let nothing = NOTHING * diagonal;
     let rounding = |a: &Prescribed, b: &Prescribed| SAME * a.value.abs().max(b.value.abs()) + nothing;
     let differ = |a: &Prescribed, b: &Prescribed| (a.value - b.value).abs() > rounding(a, b);
     if let Some(pair) = all.windows(2).find(|w| same(&w[0], &w[1]) && differ(&w[0], &w[1])) {
-        return Err(conflict(space, model, pair[0], pair[1]));
+        return Err(conflict(points, model, pair[0], pair[1]));
     }
     all.dedup_by(|b, a| same(a, b));
     Ok(all)
 }
 
-fn conflict(space: &Space<'_>, model: &Model, a: Prescribed, b: Prescribed) -> FemError {
+fn conflict(points: &[DVec3], model: &Model, a: Prescribed, b: Prescribed) -> FemError {
     let name = |p: Prescribed| model.supports[p.support as usize].name.clone();
     FemError::ConflictingSupports {
         first: name(a),
@@ -135,6 +153,6 @@ fn conflict(space: &Space<'_>, model: &Model, a: Prescribed, b: Prescribed) -> F
         axis: ["x", "y", "z"][a.component as usize],
         values: [a.value, b.value],
         vertex: a.node as usize,
-        position: space.points()[a.node as usize],
+        position: points[a.node as usize],
     }
 }

@@ -25,6 +25,41 @@ impl Element {
     }
 }
 
+/// The finite element of a hexahedral mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum HexElement {
+    /// Trilinear, eight nodes.
+    Hex8,
+    /// Serendipity, twenty nodes.
+    Hex20,
+    /// Triquadratic, twenty-seven nodes.
+    Hex27,
+    /// The mesh is the control mesh of a Catmull-Clark solid, whose basis functions are the element's.
+    CatmullClark,
+    /// As before, with bubbles that lift the natural end condition at the boundary.
+    CatmullClarkPlus,
+}
+
+impl HexElement {
+    /// Its word in scenarios.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Hex8 => "hex8",
+            Self::Hex20 => "hex20",
+            Self::Hex27 => "hex27",
+            Self::CatmullClark => "catmull-clark",
+            Self::CatmullClarkPlus => "catmull-clark+",
+        }
+    }
+
+    /// Whether its mesh is the control mesh of a Catmull-Clark solid.
+    #[must_use]
+    pub fn is_smooth(self) -> bool {
+        matches!(self, Self::CatmullClark | Self::CatmullClarkPlus)
+    }
+}
+
 /// How the linear system is solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]

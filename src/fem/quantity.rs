@@ -238,7 +238,7 @@ fn inner_point(piece: &Piece, at: Weights) -> Weights {
     std::array::from_fn(|i| piece.iter().zip(at).map(|(corner, w)| w * corner[i]).sum())
 }
 
-fn of_displacement(field: Field, u: DVec3) -> f64 {
+pub(super) fn of_displacement(field: Field, u: DVec3) -> f64 {
     match field {
         Field::Ux => u.x,
         Field::Uy => u.y,
@@ -247,7 +247,7 @@ fn of_displacement(field: Field, u: DVec3) -> f64 {
     }
 }
 
-fn of_stress(field: Field, s: SymTensor) -> f64 {
+pub(super) fn of_stress(field: Field, s: SymTensor) -> f64 {
     match field {
         Field::Sxx => s[0],
         Field::Syy => s[1],

@@ -40,7 +40,7 @@ pub fn recover(space: &Space<'_>, model: &Model, system: &System, solved: &Solve
 }
 
 /// `K u - f` at the prescribed components, by support.
-fn reactions(model: &Model, system: &System, internal: &[DVec3]) -> Vec<DVec3> {
+pub(super) fn reactions(model: &Model, system: &System, internal: &[DVec3]) -> Vec<DVec3> {
     let mut reactions = vec![DVec3::ZERO; model.supports.len()];
     for p in system.numbering.prescribed() {
         let (node, c) = (p.node as usize, p.component as usize);

@@ -6,11 +6,12 @@ mod error;
 mod face_rows;
 pub mod features;
 pub mod generate;
+pub mod hex;
 pub mod locate;
 pub mod midside;
 pub mod quality;
 pub mod read;
-mod rows;
+pub(crate) mod rows;
 pub mod surface;
 pub mod topology;
 
@@ -219,17 +220,7 @@ impl TetMesh {
         }
         let group = GroupId(parts.groups.len() as u32);
         parts.groups.push(name.to_owned());
-        // The patch that a selected face of each old patch moves to, made when the first such face is met.
-        let mut inside: Vec<Option<PatchId>> = vec![None; parts.patches.len()];
-        for (face, _) in parts.faces.iter_mut().zip(selected).filter(|(_, selected)| **selected) {
-            let old = face.patch.0 as usize;
-            face.patch = *inside[old].get_or_insert_with(|| {
-                let mut groups = parts.patches[old].clone();
-                groups.push(group);
-                parts.patches.push(groups);
-                PatchId(parts.patches.len() as u32 - 1)
-            });
-        }
+        split_patches(&mut parts.patches, parts.faces.iter_mut().map(|f| &mut f.patch), selected, group);
         Ok((Self { parts, connected: self.connected }, group))
     }
 
@@ -276,6 +267,57 @@ impl TetMesh {
     pub fn diagonal(&self) -> f64 {
         let (lo, hi) = self.bounding_box();
         (hi - lo).length()
+    }
+}
+
+/// What meshes of all kinds of cells have: named regions of cells and named groups of boundary faces.
+pub trait Tagged {
+    /// Names of the regions, indexed by [`RegionId`].
+    fn region_names(&self) -> &[String];
+    /// Region of each cell.
+    fn regions(&self) -> &[RegionId];
+    /// Names of the groups of boundary faces, indexed by [`GroupId`].
+    fn groups(&self) -> &[String];
+    /// Whether no boundary face belongs to a group.
+    fn is_empty_group(&self, group: GroupId) -> bool;
+}
+
+impl Tagged for TetMesh {
+    fn region_names(&self) -> &[String] {
+        self.region_names()
+    }
+
+    fn regions(&self) -> &[RegionId] {
+        self.regions()
+    }
+
+    fn groups(&self) -> &[String] {
+        self.groups()
+    }
+
+    fn is_empty_group(&self, group: GroupId) -> bool {
+        self.group_faces(group).next().is_none()
+    }
+}
+
+/// Gives the selected faces, whose patches these are, a further group: patches are split so that each still stands for one
+/// set of groups.
+fn split_patches<'a>(
+    patches: &mut Vec<Vec<GroupId>>,
+    faces: impl Iterator<Item = &'a mut PatchId>,
+    selected: &[bool],
+    group: GroupId,
+) {
+    // The patch that a selected face of each old patch moves to, made when the first such face is met.
+    let mut inside: Vec<Option<PatchId>> = vec![None; patches.len()];
+    for (patch, _) in faces.zip(selected).filter(|(_, selected)| **selected) {
+        let old = patch.0 as usize;
+        *patch = *inside[old].get_or_insert_with(|| {
+            let mut groups = patches[old].clone();
+            groups.push(group);
+            patches.push(groups);
+            PatchId(patches.len() as u32 - 1)
+        });
     }
 }
 

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 /// Entries of rows, one row after the other.
 #[derive(Debug, Clone)]
-pub(super) struct Rows {
+pub(crate) struct Rows {
     /// Where each row begins, and where the last one ends.
     pub starts: Vec<u32>,
     pub entries: Vec<u32>,

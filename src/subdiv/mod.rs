@@ -1,5 +1,6 @@
 //! Subdivision: a mesh and a selection of its cells in, a finer mesh out. Knows no physics.
 
+pub mod catmull_clark;
 mod improve;
 mod longest_edge;
 pub mod options;

@@ -16,6 +16,18 @@ pub enum Scheme {
     LongestEdge,
 }
 
+/// Which masks a Catmull-Clark solid has inside. They agree where four cells meet at each edge.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum CatmullClark {
+    /// Multilinear splitting and averaging, Bajaj, Schaefer, Warren and Xu 2002.
+    #[default]
+    Bajaj,
+    /// As printed in Burkhart, Hamann and Umlauf 2011, after Joy and MacCracken 1996. Along edges where other than four cells
+    /// meet, the rules of its edges and vertices do not agree: a straight prism does not stay uniform along its axis.
+    Printed,
+}
+
 /// What happens to the boundary and to the interfaces between regions (scheme sqrt(3) only; the others always keep them).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]

@@ -1,0 +1,202 @@
+use super::super::assembly::System;
+use super::super::loads::integrate_faces;
+use super::super::numbering::{Dofs, Prescribed};
+use super::super::options::SolverOptions;
+use super::super::{FemError, Load, LoadKind, Material, Model, Support, SymTensor, solve, traction};
+use super::*;
+use crate::field::VectorField;
+use crate::mesh::GroupId;
+use crate::mesh::hex::generate::box_hexes;
+
+const ALL: [HexElement; 5] = [
+    HexElement::Hex8,
+    HexElement::Hex20,
+    HexElement::Hex27,
+    HexElement::CatmullClark,
+    HexElement::CatmullClarkPlus,
+];
+
+/// lambda = 1, mu = 0.7.
+fn material() -> Material {
+    let (lambda, mu) = (1.0, 0.7);
+    let youngs_modulus = mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu);
+    Material { youngs_modulus, poissons_ratio: lambda / (2.0 * (lambda + mu)), density: 0.0 }
+}
+
+/// phi = e^(1.5 x) cos 0.9 y cos 1.2 z is harmonic: its gradient is a displacement without body force, with the stress
+/// 2 mu Hess phi.
+fn harmonic(x: DVec3) -> SymTensor {
+    let e = (1.5 * x.x).exp();
+    let ((sy, cy), (sz, cz)) = ((0.9 * x.y).sin_cos(), (1.2 * x.z).sin_cos());
+    let h = [
+        2.25 * e * cy * cz,
+        -0.81 * e * cy * cz,
+        -1.44 * e * cy * cz,
+        -1.35 * e * sy * cz,
+        1.08 * e * sy * sz,
+        -1.8 * e * cy * sz,
+    ];
+    h.map(|h| 1.4 * h)
+}
+
+/// Solves under the tractions of a stress, six coefficients of corners held against rigid motions.
+fn under_tractions(space: &HexSpace<'_>, stress: fn(DVec3) -> SymTensor) -> (HexSolution, Model) {
+    let model = Model { materials: vec![material()], supports: Vec::new(), loads: Vec::new() };
+    let corner = |at: DVec3| space.mesh().points().iter().position(|p| p.distance(at) < 1e-12).unwrap() as u32;
+    let held = |at: DVec3, components: &[u8]| -> Vec<Prescribed> {
+        let hold = |&component| Prescribed { node: corner(at), component, value: 0.0, support: 0 };
+        components.iter().map(hold).collect()
+    };
+    let mut prescribed = [held(DVec3::ZERO, &[0, 1, 2]), held(DVec3::X, &[1, 2]), held(DVec3::Y, &[2])].concat();
+    prescribed.sort_by_key(|p| (p.node, p.component));
+    let mut loads = vec![DVec3::ZERO; space.points().len()];
+    for group in 0..6 {
+        integrate_faces(space, GroupId(group), &mut loads, |area, x| Ok(traction(stress(x), area))).unwrap();
+    }
+    let stiffness = matrix::stiffness(space, &model.materials).unwrap();
+    let numbering = Dofs::from_used(vec![true; loads.len()], prescribed);
+    let system = System { stiffness, loads, numbering, points: space.points().to_vec(), linear: None };
+    let options = SolverOptions { method: super::super::options::Method::Direct, ..SolverOptions::default() };
+    let solved = solve(&system, &options, None).unwrap();
+    let solution = HexSolution {
+        displacement: solved.displacement,
+        strain_energy: 0.0,
+        compliance: 0.0,
+        reactions: Vec::new(),
+        info: solved.info,
+    };
+    (solution, model)
+}
+
+/// Relative error in the energy norm.
+fn energy_error(space: &HexSpace<'_>, model: &Model, solution: &HexSolution, stress: fn(DVec3) -> SymTensor) -> f64 {
+    let rule = Rule::cube(6);
+    let tables = space.tables(&rule.points);
+    let mut sums = [0.0; 2];
+    for t in 0..space.mesh().cells().len() {
+        let table = tables.of(space, t);
+        for (q, weight) in rule.weights.iter().enumerate() {
+            let (x, jacobian) = space.frame(t, table, q);
+            let (exact, computed) = (stress(x), solution.stress(space, model, t, table, q));
+            let volume = weight * jacobian.determinant();
+            let error = std::array::from_fn(|i| exact[i] - computed[i]);
+            sums[0] += volume * model.materials[0].compliance_energy(error);
+            sums[1] += volume * model.materials[0].compliance_energy(exact);
+        }
+    }
+    (sums[0] / sums[1]).sqrt()
+}
+
+fn cube(n: usize) -> HexMesh {
+    box_hexes([1.0; 3], [n; 3]).unwrap().with_creases(30.0, &[])
+}
+
+/// Figures of a prototype in another language, to the digits it gave.
+#[test]
+fn errors_under_the_tractions_of_a_harmonic_potential() {
+    let expected: [(HexElement, &[(usize, f64, f64)]); 4] = [
+        (HexElement::Hex8, &[(2, 0.208, 5e-4), (4, 0.107, 5e-4), (8, 0.0538, 5e-5)]),
+        (HexElement::Hex27, &[(2, 0.0189, 5e-5), (4, 4.91e-3, 5e-6), (8, 1.25e-3, 5e-6)]),
+        (HexElement::CatmullClark, &[(2, 0.0934, 5e-5), (4, 0.0363, 5e-5), (8, 0.0133, 5e-5)]),
+        (HexElement::CatmullClarkPlus, &[(2, 1.65e-3, 5e-6), (4, 2.4e-4, 5e-6), (8, 3.2e-5, 5e-7)]),
+    ];
+    let mut wrong = Vec::new();
+    for (element, rows) in expected {
+        for &(n, want, digits) in rows {
+            let mesh = cube(n);
+            let space = HexSpace::new(&mesh, element, CatmullClark::Bajaj);
+            let (solution, model) = under_tractions(&space, harmonic);
+            let error = energy_error(&space, &model, &solution, harmonic);
+            println!("{element:?} {n}: {error:.5e}, expected {want}");
+            if (error - want).abs() > digits {
+                wrong.push((element, n, error, want));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:?}");
+}
+
+/// The bar [0, 4] x [0, 1] x [0, 1] clamped at both ends under a load on its top.
+fn bar(element: HexElement, nx: usize) -> (usize, f64, f64) {
+    let mesh = box_hexes([4.0, 1.0, 1.0], [nx, nx / 4, nx / 4]).unwrap().with_creases(30.0, &[]);
+    let space = HexSpace::new(&mesh, element, CatmullClark::Bajaj);
+    let group = |name| mesh.group(name).unwrap();
+    let top = group("z-max");
+    let model = Model {
+        materials: vec![Material { youngs_modulus: 1.0, poissons_ratio: 0.3, density: 0.0 }],
+        supports: ["x-min", "x-max"].map(|g| Support::new(g, group(g), [Some(0.0); 3])).to_vec(),
+        loads: vec![Load {
+            name: "load".to_owned(),
+            kind: LoadKind::Traction(top, VectorField::from(DVec3::NEG_Z)),
+        }],
+    };
+    let system = assemble_hexes(&space, &model).unwrap();
+    let solved = solve(&system, &SolverOptions::default(), None).unwrap();
+    let solution = recover_hexes(&space, &model, &system, &solved);
+    let mut lowest = [0.0_f64; 2];
+    let side = |i: usize| i as f64 / 8.0;
+    let points: Vec<DVec3> = (0..81).map(|i| DVec3::new(side(i % 9), side(i / 9), 1.0)).collect();
+    let tables = space.tables(&points);
+    for face in mesh.group_faces(top) {
+        let (t, _) = space.cell_of_face(face);
+        for q in 0..points.len() {
+            let table = tables.of(&space, t);
+            let (y, u) = (space.frame(t, table, q).0.y, space.interpolate(&solution.displacement, t, table, q).z);
+            lowest[0] = lowest[0].min(u);
+            if (y - 0.5).abs() < 1e-12 {
+                lowest[1] = lowest[1].min(u);
+            }
+        }
+    }
+    println!("{lowest:?}");
+    (system.free_dofs(), -lowest[1], solution.compliance)
+}
+
+#[test]
+fn a_clamped_bar() {
+    use HexElement::{CatmullClark as Cc, CatmullClarkPlus as Plus, Hex8, Hex20, Hex27};
+    let expected = [
+        (Hex8, 16, 1125, 13.160, 31.155),
+        (Hex20, 8, 657, 13.653, 32.160),
+        (Hex20, 16, 4125, 13.931, 33.021),
+        (Hex27, 8, 1125, 13.763, 32.647),
+        (Hex27, 16, 7533, 13.967, 33.198),
+        (Cc, 4, 36, 11.509, 26.811),
+        (Cc, 8, 189, 12.751, 30.118),
+        (Cc, 16, 1125, 13.755, 32.582),
+        (Plus, 16, 2499, 13.999, 33.298),
+    ];
+    let mut wrong = Vec::new();
+    for (element, nx, dofs, displacement, compliance) in expected {
+        let got = bar(element, nx);
+        println!("{element:?} {nx}: {got:?}, expected {dofs} {displacement} {compliance}");
+        if got.0 != dofs || (got.1 - displacement).abs() > 6e-4 || (got.2 - compliance).abs() > 6e-4 {
+            wrong.push((element, nx, got));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:?}");
+}
+
+/// A constant strain is exact for all elements on cells that are no boxes, when the integrals are.
+#[test]
+fn patch_test() {
+    let _: Result<(), FemError> = Ok(());
+    for element in ALL {
+        let mut parts = cube(4).into_parts();
+        // Vertices inside move; those of the boundary stay.
+        for (i, p) in parts.points.iter_mut().enumerate() {
+            let inside = (0..3).all(|a| p[a] > 0.01 && p[a] < 0.99);
+            if inside {
+                let wobble = |k: usize| 0.04 * ((i * (k + 3)) as f64 * 1.7).sin();
+                *p += DVec3::new(wobble(0), wobble(1), wobble(2));
+            }
+        }
+        let mesh = HexMesh::new(parts).unwrap();
+        let space = HexSpace::new(&mesh, element, CatmullClark::Bajaj);
+        let stress = |_: DVec3| [1.0, -0.4, 0.3, 0.2, 0.7, -0.5];
+        let (solution, model) = under_tractions(&space, stress);
+        let error = energy_error(&space, &model, &solution, stress);
+        println!("{element:?}: {error:.3e}");
+        assert!(error < 1e-6, "{element:?}: {error:.3e}");
+    }
+}
