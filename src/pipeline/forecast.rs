@@ -14,8 +14,8 @@ use serde::Serialize;
 /// `benches/peers/memory.py` on red, adaptive and bisected meshes of the tripod and on boxes. Slender parts, whose multigrid is made
 /// once more in double precision, need more.
 const BASE_BYTES: f64 = 14e6;
-const BYTES_A_CELL: [f64; 2] = [930.0, 1080.0];
-const BYTES_A_QUADRATIC_CELL: [f64; 2] = [6300.0, 6900.0];
+const BYTES_A_CELL: [f64; 2] = [930.0, 1150.0];
+const BYTES_A_QUADRATIC_CELL: [f64; 2] = [6300.0, 7200.0];
 
 /// Those a cell of ten nodes that the direct method needs more for its copy of the matrix; for four nodes they are no more than what a
 /// multigrid would take.
@@ -234,7 +234,7 @@ pub(super) fn cells_after(scheme: Scheme, strategy: Strategy, cells: f64, select
     cells
         + match (scheme, strategy) {
             (Scheme::Red, _) => 7.0 * selected,
-            (Scheme::Sqrt3, Strategy::Adaptive) => scattered(2.4, 5.2),
+            (Scheme::Sqrt3, Strategy::Adaptive) => scattered(2.16, 4.8),
             (Scheme::Sqrt3, _) => 7.2 * selected,
             (Scheme::LongestEdge, Strategy::Adaptive) => scattered(1.565, 3.0),
             (Scheme::LongestEdge, _) => 2.6 * selected,

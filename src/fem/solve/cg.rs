@@ -1,7 +1,7 @@
 //! Conjugate gradients, preconditioned by multigrid.
 
 use super::amg::{Hierarchy, Kind, Real};
-use super::{Kept, Problem, Solved, SolverInfo, at_the_limit, not_converged, residual};
+use super::{Kept, Problem, ROUNDING_UNITS, Solved, SolverInfo, at_the_limit, not_converged, residual};
 use crate::fem::FemError;
 use crate::fem::block_matrix::{CHUNK, dot, norm};
 use glam::DVec3;
@@ -43,58 +43,55 @@ impl<'a> Run<'a> {
         Self { problem, displacement, remainder, relative, iterations: 0, stagnant: false, numbers: 0 }
     }
 
-    /// Iterates with the preconditioner in single precision, which is kept, until the true residual is accepted or stagnates, but not
-    /// for long.
+    /// Iterates with the preconditioner in single precision, which is kept, and if that is not enough in double precision, until the
+    /// true residual is accepted or stagnates, but not for long.
     ///
     /// # Errors
     /// [`FemError::Multigrid`], [`FemError::NotPositiveDefinite`], [`FemError::OutOfRange`]; those of the coarsest problem's
     /// factorisation.
-    pub fn in_single(&mut self, kept: &mut Kept) -> Result<(), FemError> {
-        self.advance(FEW_ITERATIONS, None, &mut kept.hierarchy)
+    pub fn for_a_while(&mut self, reason: &mut String, kept: &mut Kept) -> Result<(), FemError> {
+        self.iterate_up_to(2 * FEW_ITERATIONS, reason, kept)
     }
 
-    /// Iterates with the preconditioner in double precision; if that breaks down, with sweeps as the only smoother, which need no
-    /// eigenvalues.
+    /// Iterates to the end, and gives the solution.
     ///
     /// # Errors
-    /// As [`Run::in_single`].
-    pub fn in_double(&mut self) -> Result<(), FemError> {
-        match self.advance::<f64>(MAX_ITERATIONS, None, &mut None) {
-            Err(FemError::Multigrid { .. }) => self.advance::<f64>(MAX_ITERATIONS, Some(Kind::Sweeps), &mut None),
-            done => done,
-        }
-    }
-
-    /// Both, one after the other.
-    ///
-    /// # Errors
-    /// As [`Run::in_single`], and those of [`Run::finish`].
+    /// As [`Run::for_a_while`] and [`Run::finish`].
     pub fn to_the_end(mut self, mut reason: String, kept: &mut Kept) -> Result<Solved, FemError> {
-        match self.in_single(kept) {
-            // The last may be rounding too: double precision will tell.
-            Ok(()) | Err(FemError::Multigrid { .. } | FemError::NotPositiveDefinite { .. }) => {}
-            Err(error) => return Err(error),
-        }
-        if !self.is_done() {
-            // What failed need not take memory.
-            kept.hierarchy = None;
-            reason += &format!("; preconditioner in double precision after {} iterations", self.iterations);
-            let done = self.in_double();
-            // What breaks down at the limit of double precision has got there.
-            if !self.is_rounding() {
-                done?;
-            }
+        let done = self.iterate_up_to(MAX_ITERATIONS, &mut reason, kept);
+        // What breaks down at the limit of double precision has got there.
+        if !self.is_rounding(ROUNDING_UNITS) {
+            done?;
         }
         self.finish(reason)
     }
 
-    /// Whether the residual is below the tolerance, or has come to rest at the limit of double precision.
-    pub fn is_done(&self) -> bool {
-        self.problem.accepts(self.relative) || (self.stagnant && self.is_rounding())
+    fn iterate_up_to(&mut self, limit: usize, reason: &mut String, kept: &mut Kept) -> Result<(), FemError> {
+        match self.advance(FEW_ITERATIONS, None, &mut kept.hierarchy) {
+            // The last may be rounding too: double precision will tell.
+            Ok(()) | Err(FemError::Multigrid { .. } | FemError::NotPositiveDefinite { .. }) => {}
+            Err(error) => return Err(error),
+        }
+        if self.is_done(ROUNDING_UNITS) {
+            return Ok(());
+        }
+        // What failed need not take memory.
+        kept.hierarchy = None;
+        *reason += &format!("; preconditioner in double precision after {} iterations", self.iterations);
+        match self.advance::<f64>(limit, None, &mut None) {
+            // Sweeps need no eigenvalues: their cycle is positive.
+            Err(FemError::Multigrid { .. }) => self.advance::<f64>(limit, Some(Kind::Sweeps), &mut None),
+            done => done,
+        }
     }
 
-    fn is_rounding(&self) -> bool {
-        self.problem.is_rounding(self.relative, &self.displacement)
+    /// Whether the residual is below the tolerance, or has come to rest within so many units of rounding.
+    pub fn is_done(&self, units: f64) -> bool {
+        self.problem.accepts(self.relative) || (self.stagnant && self.is_rounding(units))
+    }
+
+    fn is_rounding(&self, units: f64) -> bool {
+        self.problem.is_rounding(self.relative, &self.displacement, units)
     }
 
     /// The solution.
@@ -103,7 +100,7 @@ impl<'a> Run<'a> {
     /// [`FemError::NotConverged`] if the residual is above the tolerance and above what rounding explains.
     pub fn finish(self, mut reason: String) -> Result<Solved, FemError> {
         if !self.problem.accepts(self.relative) {
-            if !self.is_rounding() {
+            if !self.is_rounding(ROUNDING_UNITS) {
                 return Err(not_converged(self.problem, "conjugate gradients", self.iterations, self.relative, HELP));
             }
             reason = at_the_limit(&reason, self.relative);
@@ -122,7 +119,7 @@ impl<'a> Run<'a> {
         kept: &mut Option<Hierarchy<T>>,
     ) -> Result<(), FemError> {
         let problem = self.problem;
-        if problem.accepts(self.relative) {
+        if problem.accepts(self.relative) || self.iterations >= limit {
             return Ok(());
         }
         let system = problem.system;

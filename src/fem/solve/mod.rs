@@ -20,6 +20,9 @@ const SMALL: usize = 5_000;
 /// A backward stable solution has about one; nodal forces have at most some dozens of terms.
 const ROUNDING_UNITS: f64 = 32.0;
 
+/// Those within which iterations end as well as the direct method does.
+const FEW_UNITS: f64 = 4.0;
+
 /// Largest relative residual that counts as rounding. The error of the solution is of its order: above, the solution says
 /// nothing about its load, as where a mechanism is left free and the matrix is singular.
 const LARGEST_ROUNDING: f64 = 1e-5;
@@ -111,8 +114,8 @@ fn solve_auto(problem: &Problem, start: Option<&[DVec3]>, limit: u64, kept: &mut
     let mut run = cg::Run::new(problem, start);
     if unknowns > SMALL {
         reason += &format!(", more than {SMALL}");
-        let end = match run.in_single(kept) {
-            Ok(()) if problem.accepts(run.relative) => return run.finish(reason),
+        let end = match run.for_a_while(&mut reason, kept) {
+            Ok(()) if run.is_done(FEW_UNITS) => return run.finish(reason),
             Ok(()) => "",
             Err(FemError::Multigrid { .. } | FemError::NotPositiveDefinite { .. }) => ", where they broke down",
             Err(error) => return Err(error),
@@ -126,12 +129,12 @@ fn solve_auto(problem: &Problem, start: Option<&[DVec3]>, limit: u64, kept: &mut
     reason += &format!("; the factor takes {bytes:.3} MB, the limit is {most:.3} MB");
     if analysis.factor_bytes() > limit {
         drop(analysis);
-        return if run.is_done() { run.finish(reason) } else { run.to_the_end(reason, kept) };
+        return if run.is_done(ROUNDING_UNITS) { run.finish(reason) } else { run.to_the_end(reason, kept) };
     }
     kept.hierarchy = None;
     match factorise(problem, analysis, reason.clone(), kept) {
         Ok(direct) if direct.info.residual <= problem.tolerance.max(run.relative) => Ok(direct),
-        direct if !run.is_done() => direct,
+        direct if !run.is_done(ROUNDING_UNITS) => direct,
         _ => run.finish(reason + "; the direct method did no better"),
     }
 }
@@ -223,9 +226,9 @@ impl<'a> Problem<'a> {
         residual <= self.tolerance
     }
 
-    /// True if the relative residual of `u` is no more than rounding makes of it: `|r|` is within
-    /// [`ROUNDING_UNITS`] eps `| |K||u| + |f| |`, taken over the unknowns and by components.
-    fn is_rounding(&self, residual: f64, u: &[DVec3]) -> bool {
+    /// True if the relative residual of `u` is no more than rounding makes of it: `|r|` is within `units`
+    /// eps `| |K||u| + |f| |`, taken over the unknowns and by components.
+    fn is_rounding(&self, residual: f64, u: &[DVec3], units: f64) -> bool {
         let system = self.system;
         let terms = |i: usize| {
             let products = system.stiffness.row(i).map(|(j, block)| block.abs() * u[j].abs());
@@ -233,7 +236,7 @@ impl<'a> Problem<'a> {
         };
         let sizes: Vec<DVec3> =
             (0..u.len()).into_par_iter().with_min_len(super::block_matrix::CHUNK).map(terms).collect();
-        let attainable = ROUNDING_UNITS * f64::EPSILON * norm(&sizes) / self.scale;
+        let attainable = units * f64::EPSILON * norm(&sizes) / self.scale;
         !self.tolerance.is_nan() && residual <= attainable.min(LARGEST_ROUNDING)
     }
 }
