@@ -164,25 +164,25 @@ def text(content, size, x, y, centred=True):
     return actor
 
 
-def colour_bar(lut, title, width):
-    """A horizontal colour bar with its title."""
+def colour_bar(lut, width):
+    """A horizontal colour bar; its title is a text of ours."""
     bar = vtkScalarBarActor()
     bar.SetLookupTable(lut)
-    bar.SetTitle(title)
     bar.SetOrientationToHorizontal()
     bar.SetNumberOfLabels(4)
     bar.SetLabelFormat("{:.3g}" if vtk_formats_with_braces() else "%.3g")
     bar.UnconstrainedFontSizeOn()
-    for style, size in ((bar.GetTitleTextProperty(), width // 34), (bar.GetLabelTextProperty(), width // 40)):
-        style.SetColor(0.1, 0.1, 0.1)
-        style.SetFontSize(size)
-        style.ItalicOff()
-        style.BoldOff()
-        style.ShadowOff()
-    bar.GetPositionCoordinate().SetValue(0.15, 0.02)
+    style = bar.GetLabelTextProperty()
+    style.SetColor(0.1, 0.1, 0.1)
+    style.SetFontSize(width // 40)
+    style.ItalicOff()
+    style.BoldOff()
+    style.ShadowOff()
+    # VTK puts the title of a horizontal bar right above its numbers, without room of their own: it gets a line of its own below.
+    bar.SetTextPositionToSucceedScalarBar()
+    bar.GetPositionCoordinate().SetValue(0.15, 0.055)
     bar.SetWidth(0.7)
-    bar.SetHeight(0.14)
-    bar.SetVerticalTitleSeparation(width // 80)
+    bar.SetHeight(0.09)
     return bar
 
 
@@ -217,9 +217,9 @@ def panel(mesh, picture, options, warp):
     renderer.AddActor(actor)
     renderer.AddViewProp(text(title, min(options.width // 26, int(1.7 * options.width / len(title))), 0.5, 0.94))
     if bar:
-        renderer.AddViewProp(colour_bar(lut, f"{array} (displacement x {warp:g})", options.width))
-    else:
-        renderer.AddViewProp(text(f"displacement x {warp:g}", options.width // 34, 0.5, 0.06))
+        renderer.AddViewProp(colour_bar(lut, options.width))
+    below = f"{array} (displacement x {warp:g})" if bar else f"displacement x {warp:g}"
+    renderer.AddViewProp(text(below, options.width // 34, 0.5, 0.015))
     aim(renderer, mesh, options)
     return renderer
 

@@ -47,6 +47,10 @@ pub enum Command {
         /// refine.steps=2" (repeatable)
         #[arg(long = "variant", value_name = "NAME: KEY=VALUE; ...")]
         variants: Vec<Variant>,
+        /// Compare elements of hexahedra instead, refined globally, such as hex8,hex27,catmull-clark: largest displacement,
+        /// compliance, condition number and iterations against what they cost
+        #[arg(long, value_name = "ELEMENT,...", value_delimiter = ',', conflicts_with_all = ["schemes", "variants"])]
+        elements: Vec<String>,
         /// Repetitions of short runs; times are medians over them. Steps below 50 ms are repeated at least nine times,
         /// unless this is 1
         #[arg(long, value_name = "N", default_value_t = 3, value_parser = value_parser!(u16).range(1..))]

@@ -3,6 +3,7 @@
 use crate::adapt::AdaptError;
 use crate::fem::FemError;
 use crate::mesh::MeshError;
+use crate::mesh::hex::HexError;
 use crate::output::OutputError;
 use crate::pipeline::ModelError;
 use crate::scenario::ScenarioError;
@@ -18,6 +19,30 @@ pub enum Error {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Mesh(#[from] MeshError),
+    /// The hexahedral mesh cannot be used.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Hex(#[from] HexError),
+    /// The mesh of a scenario cannot be had in hexahedra.
+    #[error("analysis.element = {element:?} needs a mesh of hexahedra, which this one is not")]
+    #[diagnostic(help("use mesh.box, or a tetrahedral element such as \"tet10\""))]
+    NotHexahedra {
+        /// The element asked for.
+        element: &'static str,
+    },
+    /// Elements of hexahedra are compared with others.
+    #[error(
+        "{element:?} is no element of hexahedra: compare --elements takes hex8, hex20, hex27, catmull-clark and catmull-clark+"
+    )]
+    #[diagnostic(help("leave it out; `compare --variant` compares tetrahedral elements"))]
+    ElementsOfHexahedra {
+        /// The element asked for.
+        element: String,
+    },
+    /// A comparison of refinements of tetrahedra is asked for on hexahedra.
+    #[error("hexahedra are refined globally: there is nothing adaptive to compare with")]
+    #[diagnostic(help("compare elements instead: subsolid compare SCENARIO --elements hex27,catmull-clark"))]
+    NothingAdaptive,
     /// Supports, loads and materials do not fit the mesh.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -55,11 +80,26 @@ pub enum Error {
     #[diagnostic(help("say where the runs end, such as --set refine.stop.max_cells=20000"))]
     NoStopRule,
     /// Two variants of a comparison would share a folder.
-    #[error("two variants are called `{name}`")]
-    #[diagnostic(help("give each --variant a name of its own, and none that --schemes has"))]
+    #[error("variants `{first}` and `{second}` would share a folder")]
+    #[diagnostic(help(
+        "give each --variant a name of its own, whatever the case of its letters, and none that --schemes has"
+    ))]
     Variants {
-        /// Their name.
-        name: String,
+        /// The name of the first.
+        first: String,
+        /// And of the second.
+        second: String,
+    },
+    /// Variants of a comparison are not as the scenario expects, or miss the error that it asks for.
+    #[error("{sentences}")]
+    #[diagnostic(help(
+        "the results are complete; what holds for some variants only is no fault of the comparison: leave it out of the scenario"
+    ))]
+    VariantsFail {
+        /// One for each of them, with its name.
+        sentences: String,
+        /// The exit code.
+        code: u8,
     },
     /// Quantities of the last step are not what the scenario expects.
     #[error("not as expected: {sentences}")]
@@ -84,11 +124,13 @@ pub enum Error {
     ))]
     NothingExpected,
     /// Scenarios are not as they expect, or could not be run.
-    #[error("not as expected: {failed}")]
+    #[error("not as expected: {failed}{faults}")]
     #[diagnostic(help("the table tells what was expected; where it is from, the scenarios tell"))]
     Unverified {
         /// The names of those that failed.
         failed: String,
+        /// What is wrong with each, where it is not printed otherwise.
+        faults: String,
     },
     /// The run ended before the errors that the scenario asks for were reached.
     #[error("{reached} ({ending})")]
@@ -110,13 +152,16 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Unexpected { .. } | Self::Unverified { .. } => 1,
+            Self::VariantsFail { code, .. } => *code,
             Self::NotVtu { .. } | Self::Variants { .. } => 2,
             Self::Scenario(_)
             | Self::NothingToCompare
+            | Self::NothingAdaptive
+            | Self::ElementsOfHexahedra { .. }
             | Self::NoStopRule
             | Self::NoScenarios { .. }
             | Self::NothingExpected => 3,
-            Self::Mesh(_) => 4,
+            Self::Hex(_) | Self::NotHexahedra { .. } | Self::Mesh(_) => 4,
             Self::Model(_) => 5,
             Self::Fem(error) if error.is_model() => 5,
             Self::Fem(_) | Self::Adapt(_) | Self::Output(_) | Self::Print(_) => 6,

@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use subsolid::Error;
 use subsolid::pipeline::choice::Cells;
+use subsolid::pipeline::hexes::compare_elements;
 use subsolid::pipeline::inspect::{Inspection, inspect};
 use subsolid::pipeline::subdivide::{Subdivision, subdivide};
 use subsolid::pipeline::verify::{Verification, verify};
@@ -48,8 +49,11 @@ fn reset_peak() {
 fn main() -> ExitCode {
     match Cli::parse().command {
         Command::Run { scenarios, common, scenario_options } => run_all(&scenarios, &common, &scenario_options),
-        Command::Compare { scenario, schemes, variants: own, repeat, common, scenario_options } => {
+        Command::Compare { scenario, schemes, variants: own, elements, repeat, common, scenario_options } => {
             one(&scenario, &common, &scenario_options, |s, o| {
+                if !elements.is_empty() {
+                    return compare_elements(s, &elements, o);
+                }
                 let mut chosen = if schemes { variants::schemes(s)? } else { Vec::new() };
                 chosen.extend(own);
                 match &chosen[..] {

@@ -83,6 +83,26 @@ proptest! {
     }
 }
 
+/// Vertices that refinement put on flat faces and straight creases go where nothing is to be gained by them, and only there.
+#[test]
+fn vertices_of_flat_surfaces_and_straight_creases_go_where_they_are_not_worth_their_price() {
+    let (mesh, _) = refined(Scheme::Red, false, |_| true);
+    let weights = mesh.points().iter().map(|p| if p.x < 0.5 { 1e4 } else { 1.0 }).collect();
+    let optimised = subdiv::optimise_error(&mesh, &Weights::Factors(weights), 3, 27).unwrap().mesh;
+    // On the front face or on one of its creases, left and right of the middle.
+    let on = |mesh: &TetMesh, crease: bool, left: bool| {
+        let is_on = |p: &&glam::DVec3| p.z == 0.0 && (p.y == 0.0) == crease && (p.x < 0.5) == left && p.y < 1.0;
+        mesh.points().iter().filter(is_on).count()
+    };
+    for crease in [false, true] {
+        let [before, after] = [&mesh, &optimised].map(|m| [true, false].map(|left| on(m, crease, left)));
+        assert!(2 * after[1] < before[1] + 2 && after[0] > after[1], "{crease}: {before:?} {after:?}");
+    }
+    for (old, new) in measures(&mesh).into_iter().zip(measures(&optimised)) {
+        assert!((old - new).abs() < 1e-12 * old, "{old} {new}");
+    }
+}
+
 #[test]
 fn the_same_input_gives_the_same_mesh_and_weights_move_vertices_where_they_are_large() {
     let (mesh, _) = refined(Scheme::Red, false, |_| true);

@@ -217,9 +217,9 @@ fn pictures_have_axes_units_and_legends() {
         (0..n).map(|i| 2901.0 * step.powi(i)).map(|x| (x, 0.4 * (x / 2901.0).powf(-rate))).collect()
     };
     let runs = vec![("global".to_owned(), curve(0.2, 8.0, 3)), ("adaptive".to_owned(), curve(0.3, 1.8, 6))];
-    error_curves(&file("error_dofs.svg"), Axis::Dofs(1), "estimated", &runs).unwrap();
+    error_curves(&file("error_dofs.svg"), Axis::Unknowns(1), "estimated", &runs).unwrap();
     let written = texts(&file("error_dofs.svg"));
-    for text in ["global", "adaptive", "slope -1/3", "degrees of freedom", "estimated relative error, %", "10,000"] {
+    for text in ["global", "adaptive", "slope -1/3", "unknowns", "estimated relative error, %", "10,000"] {
         assert!(written.contains(text), "{text} in {written}");
     }
     let timed: Vec<_> = runs.iter().map(|(l, c)| (l.clone(), c.iter().map(|(x, e)| (x / 1e5, *e)).collect())).collect();
@@ -232,7 +232,7 @@ fn pictures_have_axes_units_and_legends() {
 fn pictures_of_nothing_are_still_pictures() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("empty.svg");
-    error_curves(&path, Axis::Dofs(1), "estimated", &[("run".to_owned(), vec![(0.0, f64::NAN)])]).unwrap();
+    error_curves(&path, Axis::Unknowns(1), "estimated", &[("run".to_owned(), vec![(0.0, f64::NAN)])]).unwrap();
     error_histogram(&path, &[("step 0".to_owned(), vec![0.0; 5])], None).unwrap();
     dihedral_histogram(&path, &[("step 0".to_owned(), Vec::new())]).unwrap();
     dihedral_histogram(&path, &[]).unwrap();

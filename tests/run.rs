@@ -323,8 +323,10 @@ fn variants_are_compared_on_equal_terms() {
     for variant in variants {
         let first = |key: &str| variant["report"]["steps"][0][key].clone();
         assert_eq!(first("strain_energy"), variants[0]["report"]["steps"][0]["strain_energy"]);
-        let dofs = variant["paid"]["dofs"].as_f64().unwrap();
-        assert!(dofs >= first("dofs").as_f64().unwrap(), "{variant}");
+        let unknowns = variant["paid"]["unknowns"].as_f64().unwrap();
+        assert!(unknowns >= first("free_dofs").as_f64().unwrap(), "{variant}");
+        // Over few steps a slope says nothing.
+        assert_eq!(variant["slope"].is_null(), variant["slope_steps"].as_u64().unwrap() < 4, "{variant}");
     }
     for file in
         ["error_dofs.svg", "error_seconds.svg", "error_memory.svg", "red/report.json", "sqrt3-error/scenario.toml"]
@@ -334,7 +336,92 @@ fn variants_are_compared_on_equal_terms() {
     let (code, stdout, _) = run(&["--variant", "coarse", "--variant", "fine: mesh.l-prism.cells=2"]);
     assert!(code == Some(0) && stdout.contains("fine") && stdout.contains("coarse"), "{stdout}");
     let (code, _, stderr) = run(&["--variant", "a", "--variant", "a: refine.steps=1"]);
-    assert!(code == Some(2) && stderr.contains("two variants are called `a`"), "{stderr}");
+    assert!(code == Some(2) && stderr.contains("`a` and `a` would share a folder"), "{stderr}");
+    let (code, _, stderr) = run(&["--variant", "a: refine.stepps=1"]);
+    assert!(
+        code == Some(3) && stderr.contains("--variant a: refine.stepps=1") && !stderr.contains("--set"),
+        "{stderr}"
+    );
+}
+
+/// What a scenario expects and the tolerance it asks for hold for each variant; the code is that of a run.
+#[test]
+fn variants_that_are_not_as_expected_or_miss_their_tolerance_fail_by_name() {
+    let folder = folder();
+    std::fs::write(
+        folder.path().join("pull.toml"),
+        "title = \"Bar\"\nanalysis.element = \"tet4\"\nmesh.box = { size = [2, 1, 1], cells = [2, 1, 1] }\n\
+         materials.m = { youngs_modulus = 1e3, poissons_ratio = 0.25 }\n\
+         supports.x = { group = \"x-min\", fix = [\"x\", \"y\", \"z\"] }\n\
+         loads.pull = { group = \"x-max\", traction = [1, 0, 0] }\n\
+         quantities.tip = { average = \"ux\", group = \"x-max\" }\nadapt.goal = \"tip\"\n\
+         refine = { strategy = \"adaptive\", steps = 1 }\noutput.vtk = false\n\
+         expect.tip = { value = 1.95e-3, tolerance = { relative = 0.1 } }\n",
+    )
+    .unwrap();
+    let run = |variants: &[&str]| {
+        let options: Vec<&str> = variants.iter().flat_map(|v| ["--variant", v]).collect();
+        subsolid(folder.path(), &[&["compare", "pull.toml", "--output", "out", "--repeat", "1"], &options[..]].concat())
+    };
+    let soft = "soft: materials.m.youngs_modulus=500";
+    let missed = "missed: refine.stop.relative_error=1e-6";
+    let (code, stdout, stderr) = run(&["as-it-is", soft, missed]);
+    assert_eq!(code, Some(1), "{stdout}{stderr}");
+    assert!(
+        stderr.contains("soft: not as expected: tip is") && stderr.contains("missed: the estimated relative error")
+    );
+    assert!(!stderr.contains("as-it-is"), "{stderr}");
+    let line = |start: &str, word: &str| stdout.lines().any(|l| l.starts_with(start) && l.contains(word));
+    assert!(line("soft", "FAIL") && line("as-it-is", "pass") && line("as-it-is", "+-"), "{stdout}");
+    let (code, ..) = run(&["as-it-is", missed]);
+    assert_eq!(code, Some(7));
+    let (code, ..) = run(&["as-it-is"]);
+    assert_eq!(code, Some(0));
+}
+
+/// A plate a hundred times as long as thick: its cells are flat because it is thin, and repairs of their angles cost accuracy.
+#[test]
+fn optimisation_keeps_the_accuracy_of_thin_plates() {
+    let folder = folder();
+    let plate = "mesh.box = { size = [10, 10, 0.1], cells = [10, 10, 1] }\n\
+                 materials.m = { youngs_modulus = 1000, poissons_ratio = 0.3 }\n\
+                 supports.c = { group = \"x-min\", fix = [\"x\", \"y\", \"z\"] }\n\
+                 loads.l = { group = \"z-max\", traction = [0, 0, -1e-4] }\n\
+                 refine = { steps = 1 }\nadapt.marking = { doerfler = 0.8 }\noutput.vtk = false\n";
+    std::fs::write(folder.path().join("plate.toml"), plate).unwrap();
+    let steps = |settings: &[&str]| {
+        let (_, report) = run(folder.path(), "plate", settings);
+        let of = |i: usize, key: &[&str]| key.iter().fold(&report["steps"][i], |v, k| &v[*k]).as_f64().unwrap();
+        [0, 1].map(|i| (of(i, &["strain_energy"]), of(i, &["error", "relative"])))
+    };
+    let [before, after] = steps(&[]);
+    assert!(after.0 > before.0 && after.1 < 0.9 * before.1, "{before:?} {after:?}");
+    // On cells twenty times as long as thick the mesh may be another, but hardly a worse one.
+    let [before, after] = steps(&["mesh.box.cells=[5, 5, 1]", "refine.scheme=longest-edge"]);
+    assert!(after.0 > 0.995 * before.0, "{before:?} {after:?}");
+}
+
+/// Of the bundled scenarios, the one with the longest names and most quantities among those that take no time.
+#[test]
+fn tables_fit_into_a_terminal() {
+    let folder = folder();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let scenario = root.join("scenarios/verification/timoshenko-1.toml");
+    let scenario = scenario.to_str().unwrap();
+    let bent = folder.path().join("bent.toml");
+    let bent = bent.to_str().unwrap();
+    for arguments in [
+        &["check", scenario][..],
+        &["run", scenario, "--output", "out"],
+        &["compare", bent, "--output", "out", "--repeat", "1", "--set", "refine.stop.max_cells=200", "--schemes"],
+        &["compare", bent, "--output", "out", "--repeat", "1"],
+    ] {
+        let (_, stdout, _) = subsolid(folder.path(), arguments);
+        assert!(stdout.lines().count() > 10, "{arguments:?}");
+        // Paths are as long as they are.
+        let wide = stdout.lines().find(|l| l.chars().count() > 80 && !l.contains('/'));
+        assert_eq!(wide, None, "{arguments:?}");
+    }
 }
 
 /// A script that reads `report.json` alone sees what was said before the run.

@@ -176,6 +176,43 @@ fn a_deviation_that_grows_with_the_mesh_fails_though_it_is_allowed() {
     }
 }
 
+/// Files of one name are one problem on finer meshes only if their unknowns grow; they count by number, not by letters.
+#[test]
+fn the_order_of_files_is_that_of_their_numbers_and_meshes_that_do_not_grow_are_told() {
+    let clamped = |cells: usize| {
+        let text = bar("expect.tip = { value = 1.7e-3, tolerance = { relative = 0.2 } }");
+        text.replacen("\"normal\"", "[\"x\", \"y\", \"z\"]", 1)
+            .replace("cells = [2, 1, 1]", &format!("cells = [{}, {cells}, {cells}]", 2 * cells))
+    };
+    // The deviation from this number grows with the cells, so each finer mesh fails.
+    let folder = folder(&[("bar-2.toml", clamped(2)), ("bar-9.toml", clamped(1)), ("bar-10.toml", clamped(3))]);
+    let (code, stdout, stderr) = verify(folder.path(), &["."]);
+    let told = stdout.replace('\n', " ");
+    assert!(told.contains("note: bar-9 has no more unknowns than bar-2"), "{stdout}");
+    assert!(code == Some(1) && stderr.contains("bar-10") && !stderr.contains("bar-9"), "{stderr}");
+    assert!(stdout.find("bar-9").unwrap() < stdout.find("bar-10").unwrap());
+    assert!(stdout.lines().all(|l| l.chars().count() <= 80), "{stdout}");
+    assert!(stdout.contains("allowed") && stdout.contains("20 %"), "{stdout}");
+}
+
+/// Whoever asks for errors only gets them, and a file that cannot be written is refused before anything is computed.
+#[test]
+fn quiet_verification_tells_the_faults_and_missing_folders_are_refused_at_once() {
+    let folder = folder(&[
+        ("a-wrong.toml", bar("expect.tip = { value = 2.1e-3, tolerance = { relative = 0.01 } }")),
+        ("b-typo.toml", bar("[refin]\nsteps = 1")),
+    ]);
+    let (code, stdout, stderr) = verify(folder.path(), &[".", "--quiet"]);
+    assert_eq!((code, stdout.as_str()), (Some(1), ""));
+    let stderr = stderr.replace(['\n', '│'], " ").split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(stderr.contains("a-wrong: tip is") && stderr.contains("1 % allowed"), "{stderr}");
+    assert!(stderr.contains("b-typo: ") && stderr.contains("refin"), "{stderr}");
+    for option in ["--markdown", "--json"] {
+        let (code, stdout, stderr) = verify(folder.path(), &[".", option, "missing/page"]);
+        assert!(code == Some(6) && stdout.is_empty() && stderr.contains("there is no folder missing"), "{stderr}");
+    }
+}
+
 #[test]
 fn pages_figures_and_results_go_where_they_are_asked_for() {
     let folder = folder(&[("one.toml", bar(RIGHT))]);
@@ -185,6 +222,8 @@ fn pages_figures_and_results_go_where_they_are_asked_for() {
     assert_eq!((code, stdout.as_str()), (Some(0), ""), "{stderr}");
     let page = || std::fs::read_to_string(folder.path().join("docs/page.md")).unwrap();
     let first = page();
+    // The words of the bundled book are not those of any folder.
+    assert!(first.contains("[..](..)") && !first.contains("scenarios/verification"), "{first}");
     assert_eq!(rows(&first), [["one", "tip", "0.002"].map(str::to_owned)]);
     assert!(
         first.contains("[one](../one.toml)") && first.contains("### Bar") && first.contains("- tip: Hooke"),

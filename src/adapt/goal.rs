@@ -13,7 +13,7 @@
 //! sign, as effectivities from 0.7 to 1 mean it for squares: `|E| / 2 + sum |E_K| / 2`. Added are bounds of what recovery does
 //! not see, `unseen_K eta*_K` and its like. All is multiplied by `1 + 3 (6 / n)^(1/3)`, with `n = (sum |E_K|)^2 / sum E_K^2` cells
 //! that hold the error: as many fill a cube of `(n / 6)^(1/3)` cells across, and the relative error of recovery is taken to be of
-//! the order of their size. The bar is an estimate all the same: none holds on meshes that do not show the solution at all.
+//! the order of their size. Where cells lock, `|E_K|` times what that raised both errors by is added. The bar is an estimate all the same: none holds on meshes that do not show the solution at all.
 //!
 //! The residual estimator knows no signs. With it nothing is added, and the bar is the sum of the products `eta_K eta*_K`, and
 //! of what is missed of prescribed displacements.
@@ -80,7 +80,15 @@ pub fn goal_error(primal: Side<'_>, dual: Side<'_>, estimator: Estimator) -> Goa
     let squares: f64 = shares.iter().map(|share| share * share).sum();
     let holders = if squares > 0.0 { sizes * sizes / squares } else { 1.0 };
     let coarse = 1.0 + 3.0 * (6.0 / holders).cbrt();
+    let sizes = sizes + 2.0 * locked(primal, dual, &shares);
     GoalError { correction, bar: coarse * (0.5 * (correction.abs() + sizes) + unseen(primal, dual)), cells }
+}
+
+/// What locking may add to the shares, by how much it raised both errors.
+fn locked(primal: Side<'_>, dual: Side<'_>, shares: &[f64]) -> f64 {
+    let regions = primal.data.space.mesh().regions().iter().map(|r| r.0 as usize);
+    let raised = |r: usize| primal.errors.raised[r] * dual.errors.raised[r] - 1.0;
+    regions.zip(shares).map(|(r, share)| raised(r) * share.abs()).sum()
 }
 
 /// What data that the elements do not see may make of the quantity; but for that of a stress in cells, which [`cut`] finds.

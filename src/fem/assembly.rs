@@ -25,13 +25,13 @@ pub struct System {
     pub(super) linear: Option<Linear>,
 }
 
-/// The vertices of ten-node cells: the first nodes, before those on edges.
+/// The vertices of elements of higher order: the first nodes, before those on edges or others.
 #[derive(Debug, Clone)]
 pub(super) struct Linear {
     /// Stiffness of the four-node cells between the vertices. Where edges are straight it is `P^T K P`, with `P` that gives
     /// the middle of an edge the mean of its ends.
     pub stiffness: BlockMatrix,
-    /// The vertices that each node on an edge lies between.
+    /// The vertices that each further node lies between; `u32::MAX` where a function is none of vertices' (a bubble).
     pub ends: Vec<[u32; 2]>,
 }
 

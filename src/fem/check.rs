@@ -67,7 +67,11 @@ fn material_problem(material: &Material) -> Option<String> {
 }
 
 fn check_group(mesh: &impl Tagged, group: GroupId, what: &'static str, name: &str) -> Result<(), FemError> {
-    if mesh.is_empty_group(group) { Err(FemError::EmptyGroup { what, name: name.to_owned() }) } else { Ok(()) }
+    if mesh.faces_of(group).next().is_none() {
+        Err(FemError::EmptyGroup { what, name: name.to_owned() })
+    } else {
+        Ok(())
+    }
 }
 
 fn check_finite(values: impl Iterator<Item = f64>, what: &'static str, name: &str) -> Result<(), FemError> {

@@ -30,6 +30,17 @@ pub(super) fn inside(x: [DVec3; 4], min: DVec3, max: DVec3) -> Vec<Piece> {
     pieces
 }
 
+/// The eight pieces of a piece that is cut in the middle of its edges.
+pub(super) fn halves([a, b, c, d]: Piece) -> [Piece; 8] {
+    let middle = |p: Weights, q: Weights| -> Weights { std::array::from_fn(|i| 0.5 * (p[i] + q[i])) };
+    let [ab, ac, ad] = [b, c, d].map(|p| middle(a, p));
+    let [bc, bd, cd] = [middle(b, c), middle(b, d), middle(c, d)];
+    let corners = [[a, ab, ac, ad], [ab, b, bc, bd], [ac, bc, c, cd], [ad, bd, cd, d]];
+    // The octahedron between them, around its diagonal from ab to cd.
+    let around = [[ac, ad], [ad, bd], [bd, bc], [bc, ac]].map(|[p, q]| [ab, cd, p, q]);
+    std::array::from_fn(|k| if k < 4 { corners[k] } else { around[k - 4] })
+}
+
 /// Volume of a piece over that of its cell.
 pub(super) fn share(piece: &Piece) -> f64 {
     Matrix4::from_fn(|i, j| piece[i][j]).determinant().abs()

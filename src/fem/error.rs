@@ -100,7 +100,9 @@ pub enum FemError {
     #[error(
         "cell {cell} is folded near ({:.4}, {:.4}, {:.4}): its Jacobian is {determinant:.3e} there", at.x, at.y, at.z
     )]
-    #[diagnostic(help("move its control points or nodes apart; near sharp edges tag creases, so that they are not rounded off"))]
+    #[diagnostic(help(
+        "move its control points or nodes apart; near sharp edges tag creases, so that they are not rounded off"
+    ))]
     Folded {
         /// Cell index.
         cell: usize,

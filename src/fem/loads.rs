@@ -5,29 +5,28 @@ use crate::field::{Field, VectorField};
 use crate::mesh::{GroupId, TetMesh};
 use glam::DVec3;
 
+/// Takes a quadrature point of a face: the functions there with their values, place, and outward area vector.
+pub type OnFace<'a> = dyn FnMut(&[(u32, f64)], DVec3, DVec3) -> Result<(), FemError> + 'a;
+
+/// Takes a quadrature point of a cell: cell, the functions there with their values, place, and volume.
+pub type InCell<'a> = dyn FnMut(usize, &[(u32, f64)], DVec3, f64) -> Result<(), FemError> + 'a;
+
 /// What loads need of the elements of a mesh, whatever their cells: integrals over boundary faces and cells by quadrature.
 pub trait Integrals {
     /// Number of functions: nodes.
     fn functions(&self) -> usize;
     /// Region of a cell.
     fn region(&self, cell: usize) -> usize;
-    /// Visits quadrature points of a group's faces: the functions there with their values, place, and outward area vector.
+    /// Visits quadrature points of a group's faces.
     ///
     /// # Errors
     /// The visitor's.
-    fn on_faces(
-        &self,
-        group: GroupId,
-        visit: &mut dyn FnMut(&[(u32, f64)], DVec3, DVec3) -> Result<(), FemError>,
-    ) -> Result<(), FemError>;
-    /// Visits quadrature points of all cells: cell, the functions there with their values, place, and volume.
+    fn on_faces(&self, group: GroupId, visit: &mut OnFace<'_>) -> Result<(), FemError>;
+    /// Visits quadrature points of all cells.
     ///
     /// # Errors
     /// The visitor's.
-    fn in_cells(
-        &self,
-        visit: &mut dyn FnMut(usize, &[(u32, f64)], DVec3, f64) -> Result<(), FemError>,
-    ) -> Result<(), FemError>;
+    fn in_cells(&self, visit: &mut InCell<'_>) -> Result<(), FemError>;
     /// The functions at a place in the body, or at its point nearest to it.
     fn at_place(&self, x: DVec3) -> Vec<(u32, f64)>;
 }
@@ -41,11 +40,7 @@ impl Integrals for Space<'_> {
         self.mesh().regions()[cell].0 as usize
     }
 
-    fn on_faces(
-        &self,
-        group: GroupId,
-        visit: &mut dyn FnMut(&[(u32, f64)], DVec3, DVec3) -> Result<(), FemError>,
-    ) -> Result<(), FemError> {
+    fn on_faces(&self, group: GroupId, visit: &mut OnFace<'_>) -> Result<(), FemError> {
         let mut functions = Vec::new();
         for face in self.mesh().group_faces(group) {
             for (l, x, area) in self.face_rule(face) {
@@ -57,10 +52,7 @@ impl Integrals for Space<'_> {
         Ok(())
     }
 
-    fn in_cells(
-        &self,
-        visit: &mut dyn FnMut(usize, &[(u32, f64)], DVec3, f64) -> Result<(), FemError>,
-    ) -> Result<(), FemError> {
+    fn in_cells(&self, visit: &mut InCell<'_>) -> Result<(), FemError> {
         let mut functions = Vec::new();
         for t in 0..self.mesh().tets().len() {
             for (l, x, volume) in self.cell_rule(t) {

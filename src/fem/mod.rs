@@ -24,6 +24,7 @@ mod quantity;
 mod recover;
 mod solve;
 mod space;
+mod spectrum;
 mod springs;
 mod stress;
 #[cfg(test)]
@@ -37,7 +38,7 @@ pub use data::Data;
 pub use error::FemError;
 pub use exact::{Exact, TrueError};
 pub use goal::{Goal, InCells, Share};
-pub use loads::{Integrals, distance_outside, load_forces};
+pub use loads::{InCell, Integrals, OnFace, distance_outside, load_forces};
 pub use material::{double_contraction, traction, von_mises};
 pub use numbering::{Prescribed, prescribed};
 pub use quadrature::FOUR_POINTS;
@@ -45,6 +46,7 @@ pub use quantity::{Cells, Extent, Quantity, QuantityKind, State};
 pub use recover::{Solution, global_balance, recover};
 pub use solve::{Kept, Multigrid, Solved, SolverInfo, factor_numbers, solve, solve_keeping};
 pub use space::Space;
+pub use spectrum::Spectrum;
 pub use stress::Stress;
 
 use crate::field::{Field, VectorField};

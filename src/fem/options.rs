@@ -1,5 +1,6 @@
 //! Choices of the solvers and of what is asked of a solution, plain data.
 
+use crate::subdiv::options::CatmullClark;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -58,6 +59,17 @@ impl HexElement {
     pub fn is_smooth(self) -> bool {
         matches!(self, Self::CatmullClark | Self::CatmullClarkPlus)
     }
+}
+
+/// How hexahedral elements are made and integrated.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct HexOptions {
+    /// The masks of a Catmull-Clark solid.
+    pub masks: CatmullClark,
+    /// Gauss points a direction of the stiffness; what suits the element if absent.
+    pub points: Option<usize>,
+    /// How often cells near extraordinary edges, where functions are no polynomials, are halved for quadrature.
+    pub splits: u32,
 }
 
 /// How the linear system is solved.

@@ -59,12 +59,44 @@ pub(super) fn tetrahedron(p: [DVec3; 4]) -> [([f64; 4], f64, DVec3); 14] {
     })
 }
 
+/// Points of even spread in a simplex of `N` corners, in barycentric coordinates: the centres of those of the `parts^(N-1)` like parts
+/// it is cut into that are not turned.
+pub(super) fn lattice<const N: usize>(parts: usize) -> Vec<[f64; N]> {
+    let centre = |corner: &[usize; N]| corner.map(|i| (i as f64 + 1.0 / N as f64) / parts as f64);
+    let mut corners = vec![[0; N]];
+    for k in 0..N {
+        let left = |c: &[usize; N]| parts - 1 - c.iter().sum::<usize>();
+        let next = |c: [usize; N]| {
+            let range = if k + 1 == N { left(&c)..left(&c) + 1 } else { 0..left(&c) + 1 };
+            range.map(move |i| std::array::from_fn(|j| if j == k { i } else { c[j] }))
+        };
+        corners = corners.into_iter().flat_map(next).collect();
+    }
+    corners.iter().map(centre).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn factorial(n: i32) -> f64 {
         (1..=n).map(f64::from).product()
+    }
+
+    /// As many as there are, inside, and with the mean of all linear functions.
+    #[test]
+    fn lattices_are_spread_evenly() {
+        for parts in [1, 2, 5] {
+            let [solid, flat] = [lattice::<4>(parts).len(), lattice::<3>(parts).len()];
+            assert_eq!([solid, flat], [parts * (parts + 1) * (parts + 2) / 6, parts * (parts + 1) / 2]);
+            for l in lattice::<4>(parts) {
+                assert!(l.iter().all(|l| *l > 0.0) && (l.iter().sum::<f64>() - 1.0).abs() < 1e-15, "{l:?}");
+            }
+            for i in 0..3 {
+                let mean = lattice::<3>(parts).iter().map(|l| l[i]).sum::<f64>() / flat as f64;
+                assert!((mean - 1.0 / 3.0).abs() < 1e-14, "{mean}");
+            }
+        }
     }
 
     /// The mean of `l0^a l1^b l2^c l3^d` over a simplex of dimension d is `d! a! b! c! .. / (a + b + c + .. + d)!`.

@@ -195,20 +195,46 @@ impl<'m> Space<'m> {
         }
     }
 
+    /// Points of even spread in cell `t`, as [`Space::cell_rule`] has them: on a lattice of `parts` along each edge.
+    #[must_use]
+    pub fn cell_samples(&self, t: usize, parts: usize) -> Vec<([f64; 4], DVec3, f64)> {
+        let lattice = quadrature::lattice::<4>(parts);
+        let weight = 1.0 / lattice.len() as f64;
+        lattice.into_iter().map(|l| (l, self.position(t, l), weight * self.frame(t, l).0)).collect()
+    }
+
+    /// Points of even spread on a boundary face, as [`Space::face_rule`] has them: on a lattice of `parts` along each edge.
+    #[must_use]
+    pub fn face_samples(&self, face: &Face, parts: usize) -> Vec<([f64; 3], DVec3, DVec3)> {
+        let lattice = quadrature::lattice::<3>(parts);
+        let weight = 1.0 / lattice.len() as f64;
+        self.on_face(face, lattice.into_iter().map(|l| (l, weight))).collect()
+    }
+
     /// Quadrature of degree five on a boundary face: barycentric coordinates, place, and weight (area vector, outward).
     #[must_use]
     pub fn face_rule(&self, face: &Face) -> [([f64; 3], DVec3, DVec3); 7] {
-        let corners = face.vertices.map(|v| self.mesh.points()[v as usize]);
-        let area = 0.5 * face_normal(self.mesh.points(), face.vertices);
-        let rule = quadrature::triangle(corners);
+        let rule = quadrature::triangle([DVec3::ZERO; 3]);
+        let mut points = self.on_face(face, rule.into_iter().map(|(l, w, _)| (l, w)));
+        std::array::from_fn(|_| points.next().unwrap_or_default())
+    }
+
+    /// Places and weights (area vectors) of barycentric coordinates and shares of the area of a boundary face.
+    fn on_face(
+        &self,
+        face: &Face,
+        rule: impl Iterator<Item = ([f64; 3], f64)>,
+    ) -> impl Iterator<Item = ([f64; 3], DVec3, DVec3)> {
         let curved = |e: u32| self.on_edges.as_ref().is_some_and(|m| !m.curved.is_empty() && m.curved[e as usize]);
         let vertices = self.mesh.points().len() as u32;
-        if !self.face(face).skip(3).any(|v| curved(v - vertices)) {
-            return rule.map(|(l, w, x)| (l, x, w * area));
-        }
+        let straight = !self.face(face).skip(3).any(|v| curved(v - vertices));
+        let area = 0.5 * face_normal(self.mesh.points(), face.vertices);
         let mut x = [DVec3::ZERO; 6];
         x.iter_mut().zip(self.face(face)).for_each(|(x, v)| *x = self.points[v as usize]);
-        rule.map(|(l, w, _)| {
+        rule.map(move |(l, w)| {
+            if straight {
+                return (l, l[0] * x[0] + l[1] * x[1] + l[2] * x[2], w * area);
+            }
             let place = x.iter().zip(self.face_shape(l)).map(|(x, n)| n * *x).sum();
             // dx / dL_k: the two edges at corner k run to the two others.
             let along: [DVec3; 3] = std::array::from_fn(|k| {

@@ -47,7 +47,7 @@ impl Stress {
 
     /// The stress of nodal displacements, `C : sum_a sym(u_a grad N_a^T)`.
     #[must_use]
-    pub(super) fn of(space: &Space<'_>, model: &Model, u: &[DVec3]) -> Self {
+    pub fn of(space: &Space<'_>, model: &Model, u: &[DVec3]) -> Self {
         let mesh = space.mesh();
         let linear = space.element() == Element::Tet10;
         let material = |t: usize| &model.materials[mesh.regions()[t].0 as usize];

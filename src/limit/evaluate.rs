@@ -8,6 +8,8 @@ use crate::mesh::hex::HexTopology;
 use crate::subdiv::catmull_clark::{Control, Split, Stencils};
 use crate::subdiv::options::CatmullClark;
 use glam::DVec3;
+use rustc_hash::FxHashMap;
+use std::rc::Rc;
 
 /// Levels of subdivision after which a cell counts as a point. Away from extraordinary edges a few suffice; on them the
 /// functions' values converge at least by a factor of 0.63 a level.
@@ -15,57 +17,73 @@ const DEEPEST: usize = 60;
 
 /// The functions at points of the unit cube.
 pub(super) fn table(shape: &Shape, points: &[DVec3], variant: CatmullClark) -> Table {
+    descend(shape, points, &mut Known { variant, families: FxHashMap::default() }, 0)
+}
+
+/// The families of rings met so far: near extraordinary edges the same come back level after level.
+struct Known {
+    variant: CatmullClark,
+    families: FxHashMap<Shape, Rc<Family>>,
+}
+
+impl Known {
+    fn family(&mut self, shape: &Shape) -> Option<Rc<Family>> {
+        if let Some(family) = self.families.get(shape) {
+            return Some(family.clone());
+        }
+        let family = Rc::new(Family::new(shape, self.variant)?);
+        self.families.insert(shape.clone(), family.clone());
+        Some(family)
+    }
+}
+
+fn descend(shape: &Shape, points: &[DVec3], known: &mut Known, depth: usize) -> Table {
     let functions = shape.vertices();
     let mut table = Table {
         functions,
         values: vec![0.0; functions * points.len()],
         gradients: vec![DVec3::ZERO; functions * points.len()],
     };
-    let places: Vec<(usize, DVec3)> = points.iter().copied().enumerate().collect();
-    descend(shape, &places, variant, 0, &mut |point, v, value, gradient| {
-        let at = point * functions + v;
-        table.values[at] += value;
-        table.gradients[at] += gradient;
-    });
-    table
-}
-
-/// Receives the number of a point, a vertex of the ring, and what is to be added to its value and gradient there.
-type Add<'a> = &'a mut dyn FnMut(usize, usize, f64, DVec3);
-
-fn descend(shape: &Shape, points: &[(usize, DVec3)], variant: CatmullClark, depth: usize, add: Add<'_>) {
+    let mut add = |point: usize, v: usize, value: f64, gradient: DVec3| {
+        table.values[point * functions + v] += value;
+        table.gradients[point * functions + v] += gradient;
+    };
     if let Some(grid) = shape.regular() {
-        points.iter().for_each(|&(i, at)| tensor(&grid, at, &mut |v, value, gradient| add(i, v, value, gradient)));
-        return;
+        points.iter().enumerate().for_each(|(i, at)| tensor(&grid, *at, &mut |v, n, dn| add(i, v, n, dn)));
+        return table;
     }
-    if depth == DEEPEST {
-        points.iter().for_each(|&(i, at)| trilinear(at, &mut |v, value, gradient| add(i, v, value, gradient)));
-        return;
-    }
-    let mut of_child: [Vec<(usize, DVec3)>; 8] = Default::default();
-    for &(i, at) in points {
+    let family = if depth == DEEPEST { None } else { known.family(shape) };
+    let Some(family) = family else {
+        points.iter().enumerate().for_each(|(i, at)| trilinear(*at, &mut |v, n, dn| add(i, v, n, dn)));
+        return table;
+    };
+    let mut of_child: [(Vec<usize>, Vec<DVec3>); 8] = Default::default();
+    for (i, &at) in points.iter().enumerate() {
         let halves = [0, 1, 2].map(|axis| usize::from(at[axis] > 0.5));
         let child = halves[0] | halves[1] << 1 | halves[2] << 2;
-        of_child[child].push((i, 2.0 * at - DVec3::from_array(halves.map(|h| h as f64))));
+        of_child[child].0.push(i);
+        of_child[child].1.push(2.0 * at - DVec3::from_array(halves.map(|h| h as f64)));
     }
-    let Some(family) = Family::new(shape, variant) else { return };
-    for (child, points) in of_child.iter().enumerate().filter(|(_, points)| !points.is_empty()) {
-        let ring = family.ring(child);
-        descend(&ring.shape, points, variant, depth + 1, &mut |i, v, value, gradient| {
-            for (parent, weight) in family.stencils.row(ring.vertices[v] as usize) {
-                add(i, parent as usize, weight * value, 2.0 * weight * gradient);
+    for (child, (numbers, places)) in of_child.iter().enumerate().filter(|(_, c)| !c.0.is_empty()) {
+        let ring = &family.children[child];
+        let finer = descend(&ring.shape, places, known, depth + 1);
+        for (q, &i) in numbers.iter().enumerate() {
+            let functions = finer.values_at(q).iter().zip(finer.gradients_at(q));
+            for (&v, (n, dn)) in ring.vertices.iter().zip(functions) {
+                for (parent, weight) in family.stencils.row(v as usize) {
+                    add(i, parent as usize, weight * n, 2.0 * weight * *dn);
+                }
             }
-        });
+        }
     }
+    table
 }
 
 /// A ring after one step of subdivision.
 struct Family {
-    split: Split,
-    topology: HexTopology,
     stencils: Stencils,
-    creased: Vec<bool>,
-    corner: Vec<bool>,
+    /// The rings of the children of the first cell.
+    children: Vec<Ring>,
 }
 
 impl Family {
@@ -87,18 +105,8 @@ impl Family {
         }
         let mut corner = control.corner;
         corner.resize(stencils.rows(), false);
-        Some(Self { split, topology: finer, stencils, creased, corner })
-    }
-
-    /// The ring of a child of the first cell.
-    fn ring(&self, child: usize) -> Ring {
-        let control = Control {
-            cells: &self.split.cells,
-            topology: &self.topology,
-            creased: self.creased.clone(),
-            corner: self.corner.clone(),
-        };
-        Ring::of(&control, child as u32)
+        let finer = Control { cells: &split.cells, topology: &finer, creased, corner };
+        Some(Self { children: (0..8).map(|child| Ring::of(&finer, child)).collect(), stencils })
     }
 }
 

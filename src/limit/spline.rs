@@ -16,18 +16,17 @@ pub(super) fn cubic(t: f64) -> [[f64; 2]; 4] {
 /// Values and derivatives of the control points -1, 0, 1, 2 at `t` in the interval from 0 to 1; those of phantoms are zero.
 pub(super) fn ended(t: f64, lower: bool, upper: bool) -> [[f64; 2]; 4] {
     let mut b = cubic(t);
-    for d in 0..2 {
-        let [first, last] = [b[0][d], b[3][d]];
-        if !lower {
-            b[0][d] = 0.0;
-            b[1][d] += 2.0 * first;
-            b[2][d] -= first;
-        }
-        if !upper {
-            b[3][d] = 0.0;
-            b[2][d] += 2.0 * last;
-            b[1][d] -= last;
-        }
+    let [first, .., last] = b;
+    let mut add = |i: usize, times: f64, end: [f64; 2]| (0..2).for_each(|d| b[i][d] += times * end[d]);
+    if !lower {
+        add(0, -1.0, first);
+        add(1, 2.0, first);
+        add(2, -1.0, first);
+    }
+    if !upper {
+        add(3, -1.0, last);
+        add(2, 2.0, last);
+        add(1, -1.0, last);
     }
     b
 }

@@ -270,19 +270,74 @@ impl TetMesh {
     }
 }
 
-/// What meshes of all kinds of cells have: named regions of cells and named groups of boundary faces.
-pub trait Tagged {
+/// What meshes of all kinds of cells have: vertices, named regions of cells and named groups of boundary faces.
+pub trait Tagged: Clone {
+    /// Vertex positions.
+    fn points(&self) -> &[DVec3];
+    /// Number of boundary faces.
+    fn face_count(&self) -> usize;
+    /// Vertices of a boundary face.
+    fn face_corners(&self, face: usize) -> &[u32];
+    /// Outward normal of a boundary face, of the length of its area.
+    fn face_area(&self, face: usize) -> DVec3;
+    /// The sorted groups of a boundary face.
+    fn face_groups(&self, face: usize) -> &[GroupId];
+    /// The mesh with one more group of boundary faces, of which `selected` has one entry a face.
+    ///
+    /// # Errors
+    /// [`MeshError::Inconsistent`] if it has not.
+    fn and_group(self, name: &str, selected: &[bool]) -> Result<(Self, GroupId), MeshError>;
+
+    /// The group of that name.
+    fn group_named(&self, name: &str) -> Option<GroupId> {
+        let index = self.groups().iter().position(|g| g == name)?;
+        u32::try_from(index).ok().map(GroupId)
+    }
+
+    /// Boundary faces of a group, ascending.
+    fn faces_of(&self, group: GroupId) -> impl Iterator<Item = usize> {
+        (0..self.face_count()).filter(move |&f| self.face_groups(f).contains(&group))
+    }
+
+    /// Smallest and largest coordinates of the vertices.
+    fn limits(&self) -> (DVec3, DVec3) {
+        let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        self.points().iter().fold(start, |(lo, hi), &p| (lo.min(p), hi.max(p)))
+    }
+
     /// Names of the regions, indexed by [`RegionId`].
     fn region_names(&self) -> &[String];
     /// Region of each cell.
     fn regions(&self) -> &[RegionId];
     /// Names of the groups of boundary faces, indexed by [`GroupId`].
     fn groups(&self) -> &[String];
-    /// Whether no boundary face belongs to a group.
-    fn is_empty_group(&self, group: GroupId) -> bool;
 }
 
 impl Tagged for TetMesh {
+    fn points(&self) -> &[DVec3] {
+        self.points()
+    }
+
+    fn face_count(&self) -> usize {
+        self.faces().len()
+    }
+
+    fn face_corners(&self, face: usize) -> &[u32] {
+        &self.faces()[face].vertices
+    }
+
+    fn face_area(&self, face: usize) -> DVec3 {
+        0.5 * features::face_normal(self.points(), self.faces()[face].vertices)
+    }
+
+    fn face_groups(&self, face: usize) -> &[GroupId] {
+        &self.patch_groups()[self.faces()[face].patch.0 as usize]
+    }
+
+    fn and_group(self, name: &str, selected: &[bool]) -> Result<(Self, GroupId), MeshError> {
+        self.with_group(name, selected)
+    }
+
     fn region_names(&self) -> &[String] {
         self.region_names()
     }
@@ -293,10 +348,6 @@ impl Tagged for TetMesh {
 
     fn groups(&self) -> &[String] {
         self.groups()
-    }
-
-    fn is_empty_group(&self, group: GroupId) -> bool {
-        self.group_faces(group).next().is_none()
     }
 }
 

@@ -29,10 +29,26 @@ pub fn ensure_writable_dir(path: &Path) -> Result<(), OutputError> {
         .map_err(|source| OutputError::write(path, source))
 }
 
+/// Checks that the folder of a file to be written is there; `-`, standard output, needs none. To be called before the first
+/// long computation.
+///
+/// # Errors
+/// [`OutputError::NoFolder`].
+pub fn ensure_parent(path: &Path) -> Result<(), OutputError> {
+    let folder = folder_of(path);
+    if path == Path::new("-") || folder.is_dir() {
+        return Ok(());
+    }
+    Err(OutputError::NoFolder { path: path.to_owned(), folder: folder.to_owned() })
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
 fn replace(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     // Renaming is atomic within one file system only, so the temporary file lives in the same folder.
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut buffered = BufWriter::new(temporary(folder)?);
+    let mut buffered = BufWriter::new(temporary(folder_of(path))?);
     write(&mut buffered)?;
     let file = buffered.into_inner().map_err(io::IntoInnerError::into_error)?;
     file.as_file().sync_all()?;
@@ -90,5 +106,10 @@ mod tests {
         let deep = folder.path().join("a/b");
         ensure_writable_dir(&deep).unwrap();
         assert_eq!(names(&deep), [""; 0]);
+        for there in [Path::new("-"), Path::new("file"), &deep.join("file")] {
+            ensure_parent(there).unwrap();
+        }
+        let OutputError::NoFolder { folder, .. } = ensure_parent(&deep.join("c/file")).unwrap_err() else { panic!() };
+        assert_eq!(folder, deep.join("c"));
     }
 }

@@ -12,7 +12,7 @@ pub const SCHEMA: u32 = 1;
 const ROUNDING: f64 = 1e-9;
 
 /// What is printed then, of a number and of a share.
-const ROUNDED: [&str; 2] = ["below 1e-9", "below 1e-7 %"];
+const ROUNDED: [&str; 2] = ["< 1e-9", "< 1e-7 %"];
 
 /// Figures of references: they are printed as they are written.
 const DIGITS: usize = 15;
@@ -43,6 +43,9 @@ pub struct Problem {
     pub solved: Option<Solved>,
     /// What was expected of it.
     pub entries: Vec<Entry>,
+    /// What deserves a word though it is no fault.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
     /// Why it failed, if not by an entry.
     pub fault: Option<String>,
 }
@@ -87,25 +90,39 @@ impl Entry {
         self.found.passed && self.falls
     }
 
-    /// Reference, ours, deviation and slope as texts.
-    pub(super) fn texts(&self) -> [String; 4] {
+    /// Reference, ours, deviation, what is allowed of it, and slope as texts; `digits` are those of references.
+    pub(super) fn texts(&self, digits: usize) -> [String; 5] {
         let e = &self.found;
         let number = |x: f64| if x.abs() < ROUNDING { ROUNDED[0].to_owned() } else { figures(x, 6) };
         let mut ours = number(e.value);
         if let Some(error) = self.error {
             ours += &format!(" ± {}", figures(error, 2));
         }
-        let (reference, deviation) = match e.between {
-            Some([low, high]) => (format!("{} to {}", short(low, DIGITS), short(high, DIGITS)), String::new()),
-            None if e.expected == 0.0 => ("0".to_owned(), number(e.deviation)),
-            None => {
-                let share = e.deviation / e.expected.abs();
-                let small = share.abs() < ROUNDING;
-                let text = if small { ROUNDED[1].to_owned() } else { format!("{} %", percent(share)) };
-                (short(e.expected, DIGITS), text)
+        let slope = self.slope.map_or(String::new(), |s| figures(s, 2));
+        if let Some([low, high]) = e.between {
+            let range = format!("{} to {}", short(low, digits), short(high, digits));
+            return [range, ours, String::new(), String::new(), slope];
+        }
+        if e.expected == 0.0 {
+            return ["0".to_owned(), ours, number(e.deviation), short(e.allowed, 3), slope];
+        }
+        let share = e.deviation / e.expected.abs();
+        let deviation = if share.abs() < ROUNDING { ROUNDED[1].to_owned() } else { format!("{} %", percent(share)) };
+        let allowed = format!("{} %", short(100.0 * e.allowed / e.expected.abs(), 3));
+        [short(e.expected, digits), ours, deviation, allowed, slope]
+    }
+
+    /// What is wrong with it, in a sentence.
+    fn sentence(&self) -> String {
+        let [reference, ours, deviation, allowed, _] = self.texts(DIGITS);
+        let name = &self.quantity;
+        match self.found.between {
+            _ if self.found.passed => {
+                format!("{name}: the deviation {deviation} is not below that on the coarser mesh")
             }
-        };
-        [reference, ours, deviation, self.slope.map_or(String::new(), |s| figures(s, 2))]
+            Some(_) => format!("{name} is {ours}, expected {reference}"),
+            None => format!("{name} is {ours}, expected {reference}: {deviation} off, {allowed} allowed"),
+        }
     }
 }
 
@@ -114,6 +131,12 @@ impl Problem {
     #[must_use]
     pub fn name(&self) -> &str {
         self.file.trim_end_matches(".toml")
+    }
+
+    /// What is wrong, in sentences with its name.
+    pub fn failures(&self) -> impl Iterator<Item = String> {
+        let entries = self.entries.iter().filter(|e| !e.passes()).map(Entry::sentence);
+        entries.chain(self.fault.clone()).map(|sentence| format!("{}: {sentence}", self.name()))
     }
 
     /// Whether everything is as expected.
@@ -140,15 +163,15 @@ impl Book {
         self.problems.iter().filter(|p| !p.passes()).map(Problem::name).collect()
     }
 
-    /// The page; `link` is the way from it to the folder of the scenarios.
+    /// The page, a file called `name`; `link` is the way from it to the folder of the scenarios.
     #[must_use]
-    pub fn page(&self, link: &str) -> String {
-        let mut page = HEAD.to_owned();
+    pub fn page(&self, link: &str, name: &str) -> String {
+        let mut page = HEAD.replace("NAME", name).replace("FOLDER", link);
         let cell = |text: &str| text.replace('|', "\\|").replace('\n', " ");
         for p in &self.problems {
             let [error, effectivity] = p.error_texts();
             for (i, e) in p.entries.iter().enumerate() {
-                let [reference, ours, deviation, slope] = e.texts();
+                let [reference, ours, deviation, allowed, slope] = e.texts(DIGITS);
                 let first = |text: &str| if i == 0 { text.to_owned() } else { String::new() };
                 let verdict = if e.passes() { "pass" } else { "**FAIL**" };
                 let row = [
@@ -157,6 +180,7 @@ impl Book {
                     &reference,
                     &ours,
                     &deviation,
+                    &allowed,
                     &slope,
                     &first(&error),
                     &first(&effectivity),
@@ -165,7 +189,7 @@ impl Book {
                 let _ = writeln!(page, "| {} |", row.map(|text: &str| text.trim()).join(" | "));
             }
             if p.fault.is_some() {
-                let _ = writeln!(page, "| {} | | | | | | | | **FAIL** |", p.name());
+                let _ = writeln!(page, "| {} | | | | | | | | | **FAIL** |", p.name());
             }
         }
         page += "\n## Problems\n";
@@ -190,7 +214,8 @@ fn chapter(group: &[Problem], link: &str) -> String {
             format!("{}, {meshes}{} cells, {} unknowns", s.element, count(s.cells), count(s.free_dofs))
         });
         let fault = p.fault.as_ref().map_or(String::new(), |f| format!("; {}", f.replace('\n', " ")));
-        let _ = writeln!(text, "- [{}]({link}/{}): {solved}{fault}", p.name(), p.file);
+        let note = p.note.as_ref().map_or(String::new(), |n| format!("; {n}"));
+        let _ = writeln!(text, "- [{}]({link}/{}): {solved}{note}{fault}", p.name(), p.file);
     }
     let mut told = Vec::new();
     for (quantity, source) in group.iter().flat_map(|p| &p.entries).map(|e| (&e.quantity, &e.found.source)) {
@@ -205,19 +230,19 @@ fn chapter(group: &[Problem], link: &str) -> String {
 const HEAD: &str = "\
 # Verification
 
-Problems whose solutions are known, and what Subsolid gives. Written by `subsolid verify --markdown docs/verification.md`, which runs the
-scenarios of `scenarios/verification` and ends with exit code 1 if one of them fails; any folder of scenarios with `[expect]` can be
-verified so. No reference is from this program.
+What the scenarios of [FOLDER](FOLDER) expect, and what Subsolid gives. Written by `subsolid verify FOLDER --markdown NAME`, run where this
+page is; it ends with exit code 1 if one of them fails. Any folder of scenarios with `[expect]` can be verified so.
 
-- Files that differ by a number at the end of their names are one problem on finer meshes: there each deviation has to be smaller than the
-  one before, unless it is below a tenth of what is allowed already.
-- *Slope* is d log |deviation| / d log unknowns, since the file before, or since the last step with at most half as many unknowns.
+- *Allowed* is the largest deviation allowed.
+- Files that differ by a number at the end of their names are one problem on finer meshes, if their unknowns grow: there each deviation has
+  to be smaller than the one before, unless it is below a tenth of what is allowed already.
+- *Unknowns* are displacement components that no support prescribes. *Slope* is d log |deviation| / d log unknowns, since the file before, or since the last step with at most half as many unknowns.
 - *Estimated error* is that of the solution in the energy norm, beside which *effectivity* is the estimated over the true one, where the
   solution is known in closed form.
 - Where the reference is a range, ours has to lie in it.
 
-| scenario | quantity | reference | ours | deviation | slope | estimated error | effectivity | |
-|---|---|---:|---:|---:|---:|---:|---:|---|
+| scenario | quantity | reference | ours | deviation | allowed | slope | estimated error | effectivity | |
+|---|---|---:|---:|---:|---:|---:|---:|---:|---|
 ";
 
 #[cfg(test)]
@@ -233,10 +258,11 @@ mod tests {
 
     #[test]
     fn deviations_are_relative_where_they_can_be_and_rounding_is_called_that() {
-        assert_eq!(entry(-2.0, 0.01).texts(), ["-2", "-1.99000", "0.500 %", ""]);
-        assert_eq!(entry(0.0, 0.01).texts(), ["0", "0.0100000", "0.0100000", ""]);
-        assert_eq!(entry(0.0, 1e-13).texts(), ["0", "below 1e-9", "below 1e-9", ""]);
-        assert_eq!(entry(3.0, -1e-13).texts(), ["3", "3.00000", "below 1e-7 %", ""]);
+        let texts = |expected, deviation| entry(expected, deviation).texts(DIGITS);
+        assert_eq!(texts(-2.0, 0.01), ["-2", "-1.99000", "0.500 %", "5 %", ""]);
+        assert_eq!(texts(0.0, 0.01), ["0", "0.0100000", "0.0100000", "0.1", ""]);
+        assert_eq!(texts(0.0, 1e-13), ["0", "< 1e-9", "< 1e-9", "0.1", ""]);
+        assert_eq!(texts(3.0, -1e-13), ["3", "3.00000", "< 1e-7 %", "3.33 %", ""]);
     }
 
     #[test]
@@ -249,9 +275,11 @@ mod tests {
             description: String::new(),
             solved: None,
             entries,
+            note: None,
             fault: None,
         };
         let book = |problem| Book { schema: SCHEMA, program: String::new(), problems: vec![problem] };
+        assert_eq!(problem(vec![growing.clone()]).failures().count(), 1);
         assert_eq!(book(problem(vec![growing])).failures(), ["a-2"]);
         assert!(book(problem(vec![entry(1.0, 0.05)])).failures().is_empty());
         let broken = Problem { fault: Some("no mesh".to_owned()), ..problem(Vec::new()) };

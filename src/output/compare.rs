@@ -30,8 +30,8 @@ pub struct StepRatio {
     pub step: usize,
     /// Ratio of the cells.
     pub cells: f64,
-    /// Ratio of the degrees of freedom.
-    pub dofs: f64,
+    /// Ratio of the unknowns.
+    pub unknowns: f64,
     /// Ratio of the seconds that computing took in this step alone: refine, assemble, solve, estimate, mark.
     pub seconds: f64,
     /// Ratio of the strain energies.
@@ -48,8 +48,8 @@ pub struct EqualError {
     pub error_source: &'static str,
     /// Ratio of the cells.
     pub cells: Option<f64>,
-    /// Ratio of the degrees of freedom.
-    pub dofs: Option<f64>,
+    /// Ratio of the unknowns.
+    pub unknowns: Option<f64>,
     /// Ratio of the seconds of computing from the start until that error is reached, earlier steps included.
     pub seconds: Option<f64>,
     /// Ratio of the most memory held until then.
@@ -69,7 +69,7 @@ pub fn ratios(global: &Report, adaptive: &Report) -> Ratios {
         error: None,
         error_source,
         cells: None,
-        dofs: None,
+        unknowns: None,
         seconds: None,
         memory: None,
         reason: Some(reason),
@@ -91,7 +91,7 @@ fn step_ratio(global: &StepRecord, adaptive: &StepRecord) -> StepRatio {
     StepRatio {
         step: global.step,
         cells: global.mesh.cells as f64 / adaptive.mesh.cells as f64,
-        dofs: global.dofs as f64 / adaptive.dofs as f64,
+        unknowns: global.free_dofs as f64 / adaptive.free_dofs as f64,
         seconds: global.seconds.computing() / adaptive.seconds.computing(),
         energy: global.strain_energy / adaptive.strain_energy,
     }
@@ -102,7 +102,7 @@ fn step_ratio(global: &StepRecord, adaptive: &StepRecord) -> StepRatio {
 pub struct Cost {
     /// The relative error: the true one where it is known.
     pub error: f64,
-    /// Cells, dofs, seconds of computing since the start, most bytes held since the start.
+    /// Cells, unknowns, seconds of computing since the start, most bytes held since the start.
     pub paid: [f64; 4],
 }
 
@@ -114,7 +114,7 @@ pub fn costs(steps: &[StepRecord]) -> Vec<Cost> {
         seconds += s.seconds.computing();
         Cost {
             error: s.error.true_relative.unwrap_or(s.error.relative),
-            paid: [s.mesh.cells as f64, s.dofs as f64, seconds, s.peak_memory_bytes as f64],
+            paid: [s.mesh.cells as f64, s.free_dofs as f64, seconds, s.peak_memory_bytes as f64],
         }
     });
     all.filter(|c| c.error.is_finite() && c.error > 0.0).collect()
@@ -130,7 +130,7 @@ fn equal_error(global: &[Cost], adaptive: &[Cost], error_source: &'static str) -
         error: Some(error),
         error_source,
         cells: ratio(0),
-        dofs: ratio(1),
+        unknowns: ratio(1),
         seconds: ratio(2),
         memory: ratio(3),
         reason: None,
@@ -160,12 +160,12 @@ mod tests {
     use super::super::report::tests::{report, step};
     use super::*;
 
-    /// A run whose error is `c * dofs^-rate`, and whose seconds from the start are `dofs / 1000`.
-    fn power_law(c: f64, rate: f64, dofs: &[usize]) -> Report {
+    /// A run whose error is `c * unknowns^-rate`, and whose seconds from the start are `unknowns / 1000`.
+    fn power_law(c: f64, rate: f64, unknowns: &[usize]) -> Report {
         let mut paid = 0.0;
-        let steps = dofs.iter().enumerate().map(|(i, &n)| {
+        let steps = unknowns.iter().enumerate().map(|(i, &n)| {
             let mut record = step(i);
-            record.dofs = n;
+            record.free_dofs = n;
             record.mesh.cells = 2 * n;
             record.error.relative = c * (n as f64).powf(-rate);
             // Writing differs from run to run, it must not count.
@@ -185,12 +185,12 @@ mod tests {
         let target = 3.0 * 120_000_f64.powf(-0.2);
         assert_eq!(e.error, Some(target));
         let expected = 120_000.0 / 120_000_f64.powf(0.6);
-        for ratio in [e.cells, e.dofs, e.seconds] {
+        for ratio in [e.cells, e.unknowns, e.seconds] {
             assert!((ratio.unwrap() / expected - 1.0).abs() < 1e-12, "{ratio:?} {expected}");
         }
         assert_eq!(e.reason, None);
         let turned = ratios(&adaptive, &global).equal_error;
-        assert!((turned.dofs.unwrap() * expected - 1.0).abs() < 1e-12);
+        assert!((turned.unknowns.unwrap() * expected - 1.0).abs() < 1e-12);
     }
 
     #[test]
@@ -199,8 +199,8 @@ mod tests {
         let adaptive = power_law(1.0, 0.3, &[300, 600, 900]);
         let steps = ratios(&global, &adaptive).equal_step;
         assert_eq!(steps.iter().map(|s| s.step).collect::<Vec<_>>(), [0, 1]);
-        assert_eq!((steps[1].cells, steps[1].dofs), (4.0, 4.0));
-        // 2,400 - 300 against 600 - 300 dofs were paid for by the step alone.
+        assert_eq!((steps[1].cells, steps[1].unknowns), (4.0, 4.0));
+        // 2,400 - 300 against 600 - 300 unknowns were paid for by the step alone.
         assert!((steps[1].seconds - 7.0).abs() < 1e-12);
         assert_eq!(steps[1].energy, 1.0);
     }
@@ -216,16 +216,16 @@ mod tests {
             record.error.relative = error;
         }
         let e = ratios(&global, &adaptive).equal_error;
-        // Both reach 0.2, the larger final error, halfway (in logarithms) between 300 and 600 dofs.
+        // Both reach 0.2, the larger final error, halfway (in logarithms) between 300 and 600 unknowns.
         assert_eq!(e.error, Some(0.2));
-        assert!((e.dofs.unwrap() - 1.0).abs() < 1e-12);
+        assert!((e.unknowns.unwrap() - 1.0).abs() < 1e-12);
     }
 
     #[test]
     fn no_ratio_without_a_common_error_and_the_reason_is_said() {
         let one = power_law(1.0, 0.2, &[300]);
         let same = ratios(&one, &one).equal_error;
-        assert_eq!((same.cells, same.dofs, same.seconds, same.reason), (Some(1.0), Some(1.0), Some(1.0), None));
+        assert_eq!((same.cells, same.unknowns, same.seconds, same.reason), (Some(1.0), Some(1.0), Some(1.0), None));
 
         let better = power_law(0.5, 0.2, &[300, 600]);
         let apart = ratios(&one, &better).equal_error;

@@ -18,6 +18,15 @@ pub enum OutputError {
         /// What the operating system said.
         source: io::Error,
     },
+    /// A file is to be written into a folder that is not there.
+    #[error("cannot write {path}: there is no folder {folder}", path = path.display(), folder = folder.display())]
+    #[diagnostic(help("make the folder first; nothing was computed or written"))]
+    NoFolder {
+        /// The file asked for.
+        path: PathBuf,
+        /// Its folder.
+        folder: PathBuf,
+    },
     /// A file that no earlier run wrote has the name of a result.
     #[error("{path} is in the way: a result has this name, and no earlier run wrote this file", path = path.display())]
     #[diagnostic(help("choose another folder by --output, or move the file away; nothing was removed or written"))]

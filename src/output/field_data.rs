@@ -1,7 +1,7 @@
 //! What VTK files say of the whole mesh: the names of regions and groups, and the units.
 
 use super::options::Units;
-use crate::mesh::{GroupId, TetMesh};
+use crate::mesh::{GroupId, Tagged, TetMesh};
 use std::fmt::Write as _;
 
 /// Arrays of field data in XML: `region_names` and `group_names` (strings, by number), `group_faces` (a row for each face
@@ -9,10 +9,7 @@ use std::fmt::Write as _;
 /// carry them along.
 #[must_use]
 pub(super) fn arrays(mesh: &TetMesh, units: &Units) -> String {
-    let units: Vec<String> = units.declared().iter().map(|(name, unit)| format!("{name} {unit}")).collect();
-    let mut text = strings("region_names", mesh.region_names());
-    text += &strings("group_names", mesh.groups());
-    text += &strings("units", &units);
+    let mut text = names(mesh, units);
     let rows = |group: u32| mesh.group_faces(GroupId(group)).map(move |face| (group, face.vertices));
     let faces: Vec<(u32, [u32; 3])> = (0..mesh.groups().len() as u32).flat_map(rows).collect();
     if !faces.is_empty() {
@@ -26,6 +23,13 @@ pub(super) fn arrays(mesh: &TetMesh, units: &Units) -> String {
         text += "</DataArray>";
     }
     text
+}
+
+/// The arrays of strings alone.
+#[must_use]
+pub(super) fn names(mesh: &impl Tagged, units: &Units) -> String {
+    let units: Vec<String> = units.declared().iter().map(|(name, unit)| format!("{name} {unit}")).collect();
+    strings("region_names", mesh.region_names()) + &strings("group_names", mesh.groups()) + &strings("units", &units)
 }
 
 /// An array of strings: the bytes of each, ended by a zero. Nothing if there are none.

@@ -5,7 +5,8 @@
 use super::OutputError;
 use super::atomic::write_atomic;
 use super::options::Units;
-use crate::mesh::{TetMesh, features, quality, topology};
+use crate::mesh::hex::{self, HexMesh};
+use crate::mesh::{Crease, TetMesh, features, quality, topology};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use std::io::{self, Write as _};
@@ -80,6 +81,10 @@ pub enum StopReason {
     Seconds,
     /// The estimated error is rounding: there is nothing to refine for.
     Exact,
+    /// Refinement makes curved edges straight, and that alone exceeds an error asked for.
+    StraightEdges,
+    /// The quantity aimed at is zero within its error bar, of which no fraction can be reached.
+    Zero,
     /// The user interrupted.
     Interrupted,
 }
@@ -149,6 +154,8 @@ pub struct ErrorRecord {
     pub relative: f64,
     /// The part of eta that bounds what data make which the elements do not see.
     pub data: f64,
+    /// The part of eta that straight edges make where those that were read are curved.
+    pub straight_edges: f64,
     /// mean(eta_K) / M.
     pub normalised_mean: f64,
     /// mean(eta_K^2) / M^2.
@@ -295,6 +302,48 @@ impl MeshCounts {
     }
 }
 
+impl MeshCounts {
+    /// Counts and measures a hexahedral mesh, by its straight edges.
+    #[must_use]
+    pub fn of_hexes(mesh: &HexMesh) -> Self {
+        let features = mesh.creases().iter().filter(|c| c.feature);
+        let length = |c: &Crease| {
+            let [a, b] = c.vertices.map(|v| mesh.points()[v as usize]);
+            a.distance(b)
+        };
+        Self {
+            cells: mesh.cells().len(),
+            nodes: mesh.points().len(),
+            edges: mesh.topology().edges().len(),
+            boundary_faces: mesh.faces().len(),
+            feature_edges: features.clone().count(),
+            feature_length: features.map(length).sum(),
+            volume: mesh.volume(),
+        }
+    }
+}
+
+impl QualityRecord {
+    /// Angles between faces at the corners of hexahedra, and valences.
+    #[must_use]
+    pub fn of_hexes(mesh: &HexMesh) -> Self {
+        let angles: Vec<f64> = (0..mesh.cells().len()).map(|t| hex::min_dihedral(&mesh.cell_points(t))).collect();
+        let used = |v: &u32| !mesh.topology().vertex_cells(*v).is_empty();
+        let valences: Vec<usize> =
+            (0..mesh.points().len() as u32).filter(used).map(|v| mesh.topology().vertex_cells(v).len()).collect();
+        let mean = |sum: f64, count: usize| sum / count.max(1) as f64;
+        Self {
+            worst: angles.iter().copied().fold(f64::INFINITY, f64::min),
+            average: mean(angles.iter().sum(), angles.len()),
+            best: angles.iter().copied().fold(0.0, f64::max),
+            max_valence: valences.iter().copied().max().unwrap_or(0),
+            average_valence: mean(valences.iter().sum::<usize>() as f64, valences.len()),
+            valence_above_50: mean(valences.iter().filter(|v| **v > 50).count() as f64, valences.len()),
+            inverted: 0,
+        }
+    }
+}
+
 impl From<quality::Quality> for QualityRecord {
     fn from(q: quality::Quality) -> Self {
         let quality::Quality { worst, average, best, max_valence, average_valence, valence_above_50, inverted } = q;
@@ -323,7 +372,7 @@ pub fn write_json(path: &Path, record: &impl Serialize) -> Result<(), OutputErro
 }
 
 /// Named values as a JSON object that keeps their order.
-fn as_map<T: Serialize, S: Serializer>(entries: &[(String, T)], serializer: S) -> Result<S::Ok, S::Error> {
+pub(super) fn as_map<T: Serialize, S: Serializer>(entries: &[(String, T)], serializer: S) -> Result<S::Ok, S::Error> {
     let mut map = serializer.serialize_map(Some(entries.len()))?;
     for (name, value) in entries {
         map.serialize_entry(name, value)?;
@@ -355,6 +404,7 @@ pub(super) mod tests {
             error: ErrorRecord {
                 energy: 1.5,
                 relative: 0.4,
+                straight_edges: 0.0,
                 data: 0.0,
                 normalised_mean: 0.209,
                 normalised_mean_square: 0.06,

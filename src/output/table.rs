@@ -12,20 +12,22 @@ pub use variants::variants;
 use super::compare::{EqualError, Ratios};
 use super::options::{Published, PublishedStep, Units};
 use super::report::{PhaseSeconds, Report, StepRecord};
-use comfy_table::{CellAlignment, LineStyle, Table, presets};
+use comfy_table::{Cell, CellAlignment, ColumnConstraint, ContentArrangement, LineStyle, Table, Width, presets};
+
+/// Columns of a terminal that text fits into.
+pub const COLUMNS: u16 = 80;
 
 /// The steps of a run as two tables, what was computed and what it cost.
 #[must_use]
 pub fn steps(records: &[StepRecord]) -> String {
     let mut results = table(
-        "step|cells|nodes|free\ndofs|relative\nerror %|mean\nerror|mean sq.\nerror|strain\nenergy|largest\ndispl.|worst\nangle",
+        "step|cells|unknowns|relative\nerror %|mean\nerror|mean sq.\nerror|strain\nenergy|largest\ndispl.|worst\nangle",
     );
     let mut costs = table("step|refine|assemble|solve|estimate|mark|write|total s");
     for r in records {
         results.add_row([
             r.step.to_string(),
             count(r.mesh.cells),
-            count(r.mesh.nodes),
             count(r.free_dofs),
             percent(r.error.relative),
             figures(r.error.normalised_mean, 3),
@@ -71,7 +73,7 @@ pub fn reactions(record: &StepRecord) -> String {
 #[must_use]
 pub fn step_line(r: &StepRecord) -> String {
     format!(
-        "step {}: {} cells, {} free dofs, relative error {} %, strain energy {}, {} s",
+        "step {}: {} cells, {} unknowns, relative error {} %, strain energy {}, {} s",
         r.step,
         count(r.mesh.cells),
         count(r.free_dofs),
@@ -86,7 +88,7 @@ pub fn step_line(r: &StepRecord) -> String {
 #[must_use]
 pub fn comparison(global: &Report, adaptive: &Report, ratios: &Ratios, published: Option<&Published>) -> String {
     let rows = rows(global, adaptive);
-    let mut out = format!("{}\n{ERRORS}\n", text(meshes(&rows)));
+    let mut out = format!("{}\n{ERRORS}\n\nSeconds\n{}\n", text(meshes(&rows)), text(phases(&rows)));
     out += &format!("\nGlobal over adaptive at equal steps\n{}\n", text(equal_steps(global, adaptive, ratios)));
     out += &format!("\n{}\n", equal_error(&ratios.equal_error));
     if let Some(published) = published {
@@ -116,21 +118,16 @@ fn rows<'a>(global: &'a Report, adaptive: &'a Report) -> Vec<(String, &'a StepRe
 }
 
 fn meshes(rows: &[(String, &StepRecord)]) -> Table {
-    let mut table = table(
-        "mesh|cells|dofs|refine\ns|assemble\ns|solve\ns|estimate\ns|mean\nerror|mean sq.\nerror|relative\nerror %|strain\nenergy|worst\nangle",
-    );
+    let mut table =
+        table("mesh|cells|unknowns|relative\nerror %|mean\nerror|mean sq.\nerror|strain\nenergy|worst\nangle");
     for (label, r) in rows {
         table.add_row([
             label.clone(),
             count(r.mesh.cells),
-            count(r.dofs),
-            seconds(r.seconds.refine),
-            seconds(r.seconds.assemble),
-            seconds(r.seconds.solve),
-            seconds(r.seconds.estimate),
+            count(r.free_dofs),
+            percent(r.error.relative),
             figures(r.error.normalised_mean, 3),
             figures(r.error.normalised_mean_square, 3),
-            percent(r.error.relative),
             figures(r.strain_energy, 6),
             format!("{:.1}", r.quality.worst),
         ]);
@@ -138,14 +135,25 @@ fn meshes(rows: &[(String, &StepRecord)]) -> Table {
     table
 }
 
+/// The phases of which the ratios are made.
+fn phases(rows: &[(String, &StepRecord)]) -> Table {
+    let mut table = table("mesh|refine|assemble|solve|estimate|mark");
+    for (label, r) in rows {
+        let s = &r.seconds;
+        let phases = [s.refine, s.assemble, s.solve, s.estimate, s.mark].map(seconds);
+        table.add_row([label.clone()].into_iter().chain(phases));
+    }
+    table
+}
+
 fn equal_steps(global: &Report, adaptive: &Report, ratios: &Ratios) -> Table {
     let mut table =
-        table("step|cells|dofs|assemble\n+ solve|refine +\nassemble + solve|all but\nwriting|strain\nenergy");
+        table("step|cells|unknowns|assemble\n+ solve|refine +\nassemble + solve|all but\nwriting|strain\nenergy");
     for (ratio, (g, a)) in ratios.equal_step.iter().zip(global.steps.iter().zip(&adaptive.steps)) {
         table.add_row([
             ratio.step.to_string(),
             figures(ratio.cells, 3),
-            figures(ratio.dofs, 3),
+            figures(ratio.unknowns, 3),
             figures((g.seconds.assemble + g.seconds.solve) / (a.seconds.assemble + a.seconds.solve), 3),
             figures(simulation(&g.seconds) / simulation(&a.seconds), 3),
             figures(ratio.seconds, 3),
@@ -167,11 +175,12 @@ fn equal_error(e: &EqualError) -> String {
             e.reason.as_deref().unwrap_or("no common error")
         );
     };
-    let [cells, dofs, seconds, memory] =
-        [e.cells, e.dofs, e.seconds, e.memory].map(|r| r.map_or("-".to_owned(), |r| figures(r, 3)));
+    let [cells, unknowns, seconds, memory] =
+        [e.cells, e.unknowns, e.seconds, e.memory].map(|r| r.map_or("-".to_owned(), |r| figures(r, 3)));
     format!(
         "Global over adaptive at equal {} relative error ({} %)\n\
-         cells {cells}, dofs {dofs}, seconds of computing from the start {seconds}, memory {memory} (log-log between steps)",
+         cells {cells}, unknowns {unknowns}, memory {memory},\n\
+         seconds of computing from the start {seconds} (log-log between steps)",
         e.error_source,
         percent(error)
     )
@@ -213,10 +222,12 @@ fn factors(rows: &[(String, &StepRecord)], published: &Published) -> Vec<String>
 }
 
 /// An empty table whose headers are separated by `|`; the first column is text, the others are numbers.
-fn table(headers: &str) -> Table {
+#[must_use]
+pub fn table(headers: &str) -> Table {
     let mut table = Table::new();
     table.load_style(presets::UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
     table.set_header(headers.split('|'));
+    table.set_content_arrangement(ContentArrangement::Dynamic).set_width(COLUMNS);
     for column in table.column_iter_mut() {
         column.set_cell_alignment(if column.index == 0 { CellAlignment::Left } else { CellAlignment::Right });
         column.set_padding((if column.index == 0 { 0 } else { 1 }, 0));
@@ -224,8 +235,29 @@ fn table(headers: &str) -> Table {
     table
 }
 
-fn text(table: Table) -> String {
+/// The table as text. Where it is too wide its texts are wrapped, but no column is narrower than the words of its head and the
+/// numbers in it: they would break into other numbers.
+#[must_use]
+pub fn text(mut table: Table) -> String {
+    let widths: Vec<usize> = (0..table.column_count()).map(|column| widest_word(&table, column)).collect();
+    for (column, width) in table.column_iter_mut().zip(widths) {
+        let width = u16::try_from(width).unwrap_or(COLUMNS) + column.padding_width();
+        column.set_constraint(ColumnConstraint::LowerBoundary(Width::Fixed(width)));
+    }
     table.trim_fmt()
+}
+
+/// Characters of the longest number in a column, with the comma behind it, and of the longest word of its head.
+fn widest_word(table: &Table, column: usize) -> usize {
+    let head = table.header().and_then(|row| row.cell_iter().nth(column)).map(Cell::content).unwrap_or_default();
+    let head = head.split_whitespace().map(|word| word.chars().count()).max().unwrap_or(0);
+    let cells = table.row_iter().filter_map(|row| row.cell_iter().nth(column));
+    let number = |word: &&str| {
+        let bare = word.trim_matches(['(', ')', ',', '[', ']']).replace(',', "");
+        bare.parse::<f64>().is_ok()
+    };
+    let widest = |cell: &Cell| cell.content().split_whitespace().filter(number).map(str::len).max();
+    cells.filter_map(widest).max().unwrap_or(0).max(head)
 }
 
 /// An integer with its thousands apart.
@@ -337,10 +369,10 @@ mod tests {
         let adaptive = run([2799, 4540], [491.0, 596.0], [0.4, 0.3]);
         let text = comparison(&global, &adaptive, &ratios(&global, &adaptive), Some(&published()));
         let line = |start: &str| text.lines().filter(|l| l.starts_with(start)).collect::<Vec<_>>();
-        assert_eq!(line("global 1").len(), 2);
-        assert_eq!(line("base").len(), 2);
+        assert_eq!(line("global 1").len(), 3);
+        assert_eq!(line("base").len(), 3);
         assert!(line("Time, global")[0].contains("12.7 here, 12.7 published (7574 ms / 596 ms)"), "{text}");
-        let beside: Vec<&str> = line("adaptive 1")[1].split_whitespace().collect();
+        let beside: Vec<&str> = line("adaptive 1")[2].split_whitespace().collect();
         assert_eq!(beside[2..6], ["4,540", "4,540", "59.6", "596"]);
         assert!(line("Global over adaptive at equal estimated relative error (30.0 %)").len() == 1, "{text}");
     }
@@ -360,6 +392,6 @@ mod tests {
         let text = steps(&[step(0)]);
         assert!(text.lines().take(6).all(|l| l.chars().count() <= 80), "{text}");
         assert!(text.contains("2,799") && text.contains("6.38233"));
-        assert!(step_line(&step(0)).starts_with("step 0: 2,799 cells, 2,800 free dofs, relative error 40.0 %"));
+        assert!(step_line(&step(0)).starts_with("step 0: 2,799 cells, 2,800 unknowns, relative error 40.0 %"));
     }
 }

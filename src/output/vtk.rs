@@ -56,17 +56,30 @@ pub fn write_vtu(
 ) -> Result<(), OutputError> {
     check(path, &fields.points, space.points().len())?;
     check(path, &fields.cells, space.mesh().tets().len())?;
+    write_atomic(path, |w| {
+        let text = encoded(grid(space, fields), compression).map_err(io::Error::other)?;
+        annotate(w, &text, fields.time, &field_data::arrays(space.mesh(), &fields.units))
+    })
+}
+
+/// A grid as the text of a file.
+pub(super) fn encoded(piece: UnstructuredGridPiece, compression: Compression) -> Result<Vec<u8>, vtkio::Error> {
     let compressor = match compression {
         Compression::None => Compressor::None,
         Compression::Lz4 => Compressor::LZ4,
         Compression::Zlib => Compressor::ZLib,
     };
-    write_atomic(path, |w| {
-        let file = grid(space, fields).try_into_xml_format(compressor, COMPRESSION_LEVEL).map_err(io::Error::other)?;
-        let mut text = Vec::new();
-        file.write(&mut text).map_err(io::Error::other)?;
-        annotate(w, &text, fields.time, &field_data::arrays(space.mesh(), &fields.units))
-    })
+    let file = Vtk {
+        // Version 1 of the XML format: 64-bit sizes.
+        version: Version::new_xml(1, 0),
+        byte_order: ByteOrder::LittleEndian,
+        title: String::new(),
+        file_path: None,
+        data: DataSet::inline(piece),
+    };
+    let mut text = Vec::new();
+    file.try_into_xml_format(compressor, COMPRESSION_LEVEL)?.write(&mut text)?;
+    Ok(text)
 }
 
 /// Balance of speed and size for Zlib; LZ4 has no levels.
@@ -92,7 +105,7 @@ impl Values<'_> {
         }
     }
 
-    fn attribute(&self, name: &str) -> Attribute {
+    pub(super) fn attribute(&self, name: &str) -> Attribute {
         match self {
             Values::Scalars(v) => Attribute::generic(name, 1).with_data(v.to_vec()),
             Values::Vectors(v) => Attribute::vectors(name).with_data(coordinates(v)),
@@ -104,7 +117,7 @@ impl Values<'_> {
     }
 }
 
-fn check(path: &Path, fields: &[(&str, Values<'_>)], want: usize) -> Result<(), OutputError> {
+pub(super) fn check(path: &Path, fields: &[(&str, Values<'_>)], want: usize) -> Result<(), OutputError> {
     for (name, values) in fields {
         let (path, field, got) = (path.to_owned(), (*name).to_owned(), values.len());
         if got != want {
@@ -120,7 +133,7 @@ fn check(path: &Path, fields: &[(&str, Values<'_>)], want: usize) -> Result<(), 
 /// The places in VTK's ten-node cells: its edges are 01, 12, 02, 03, 13, 23.
 const TEN_NODES: [usize; 10] = [0, 1, 2, 3, 4, 7, 5, 6, 8, 9];
 
-fn grid(space: &Space<'_>, fields: &Fields<'_>) -> Vtk {
+fn grid(space: &Space<'_>, fields: &Fields<'_>) -> UnstructuredGridPiece {
     let mesh = space.mesh();
     let cells = mesh.tets().len();
     let (nodes, kind) = match space.element() {
@@ -137,17 +150,10 @@ fn grid(space: &Space<'_>, fields: &Fields<'_>) -> Vtk {
     let attributes = |fields: &[(&str, Values<'_>)]| fields.iter().map(|(name, v)| v.attribute(name)).collect();
     let mut data = Attributes { point: attributes(&fields.points), cell: attributes(&fields.cells) };
     data.cell.extend(mesh_fields(mesh));
-    Vtk {
-        // Version 1 of the XML format: 64-bit sizes.
-        version: Version::new_xml(1, 0),
-        byte_order: ByteOrder::LittleEndian,
-        title: String::new(),
-        file_path: None,
-        data: DataSet::inline(UnstructuredGridPiece {
-            points: IOBuffer::F64(coordinates(space.points())),
-            cells: Cells { cell_verts: VertexNumbers::XML { connectivity, offsets }, types: vec![kind; cells] },
-            data,
-        }),
+    UnstructuredGridPiece {
+        points: IOBuffer::F64(coordinates(space.points())),
+        cells: Cells { cell_verts: VertexNumbers::XML { connectivity, offsets }, types: vec![kind; cells] },
+        data,
     }
 }
 
@@ -162,12 +168,12 @@ fn mesh_fields(mesh: &TetMesh) -> [Attribute; 3] {
     ]
 }
 
-fn coordinates(vectors: &[DVec3]) -> Vec<f64> {
+pub(super) fn coordinates(vectors: &[DVec3]) -> Vec<f64> {
     vectors.iter().flat_map(DVec3::to_array).collect()
 }
 
 /// Copies the file's text, adding what `vtkio` cannot express: the time, `more` field data and the names of the tensor components.
-fn annotate(w: &mut dyn Write, text: &[u8], time: f64, more: &str) -> io::Result<()> {
+pub(super) fn annotate(w: &mut dyn Write, text: &[u8], time: f64, more: &str) -> io::Result<()> {
     let grid = "<UnstructuredGrid>";
     let time = format!(
         "{grid}<FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">{time:?}\

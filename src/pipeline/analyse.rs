@@ -3,7 +3,10 @@
 use super::look_ahead::Seen;
 use super::quantities;
 use super::resolve::Resolved;
+use super::richer;
 use super::simulate::{Plan, timed};
+use super::straight::Straight;
+use super::tolerance::Aim;
 use crate::adapt::{self, CellErrors, GoalError, Side};
 use crate::error::Error;
 use crate::fem::options::{Method, SolverOptions};
@@ -19,6 +22,10 @@ pub(super) struct Analysed<'m> {
     pub errors: CellErrors,
     /// The error of the quantity that the scenario aims at.
     pub goal: Option<GoalError>,
+    /// What is to be known of its dual solution.
+    pub dual: Dual,
+    /// What straight edges add to the errors.
+    straight: Option<Straight>,
     dofs: usize,
     free_dofs: usize,
 }
@@ -35,23 +42,62 @@ pub(super) fn analyse<'m>(
     guess: Option<&[DVec3]>,
     seconds: &mut PhaseSeconds,
 ) -> Result<Analysed<'m>, Error> {
-    let phase = plan.progress.phase(format!("step {index}: assemble {} cells", mesh.tets().len()));
-    let (space, system) = timed(&mut seconds.assemble, || {
-        // Refinement makes edges straight.
-        let midsides = if index == 0 { &problem.midsides[..] } else { &[] };
-        let space = Space::new(mesh, plan.scenario.element, midsides);
+    // Refinement makes edges straight.
+    let midsides = if index == 0 { &problem.midsides[..] } else { &[] };
+    let space = timed(&mut seconds.assemble, || Space::new(mesh, plan.scenario.element, midsides));
+    let name = &format!("step {index}");
+    let (mut analysed, system, kept) = solved(space, name, problem, plan, guess, seconds)?;
+    let mut richer = if analysed.errors.unresolved.is_empty() {
+        None
+    } else {
+        richer::compare(&mut analysed, name, problem, plan, seconds)?
+    };
+    if let Some(goal) = problem.goal {
+        let _phase =
+            plan.progress.phase(format!("{name}: solve the dual problem of `{}`", problem.quantities[goal].name));
+        if let Some((mut error, mut dual)) = goal_error(&analysed, problem, plan, (system, kept), seconds)? {
+            // Either solution may be one that the cells do not show: a sheet that is pulled is fine, and cannot be bent.
+            if dual.unresolved && richer.is_none() {
+                richer = richer::compare(&mut analysed, name, problem, plan, seconds)?;
+            }
+            let found = quantities::value(problem, &analysed, goal) + error.correction;
+            let beyond = match &richer {
+                Some(richer) => richer.beyond(found),
+                None if dual.unresolved => f64::NAN,
+                None => 0.0,
+            };
+            // On coarse meshes ten-node cells mostly confirm the bar.
+            dual.unresolved &= beyond.is_nan() || beyond > error.bar;
+            error.bar += beyond;
+            (analysed.goal, analysed.dual) = (Some(error), dual);
+        }
+    }
+    Ok(analysed)
+}
+
+/// The solution on a mesh with its nodes, without the error of a goal; with the system and what solving it left behind.
+pub(super) fn solved<'m>(
+    space: Space<'m>,
+    name: &str,
+    problem: &Resolved,
+    plan: &Plan<'_>,
+    guess: Option<&[DVec3]>,
+    seconds: &mut PhaseSeconds,
+) -> Result<(Analysed<'m>, System, Kept), Error> {
+    let phase = plan.progress.phase(format!("{name}: assemble {} cells", space.mesh().tets().len()));
+    let system = timed(&mut seconds.assemble, || {
         let mut system = fem::assemble(&space, &problem.model)?;
         if let Some(exact) = &problem.exact {
             exact.add_loads(&space, &mut system);
         }
-        Ok::<_, fem::FemError>((space, system))
+        Ok::<_, fem::FemError>(system)
     })?;
-    phase.say(format!("step {index}: solve {} equations", system.free_dofs()));
+    phase.say(format!("{name}: solve {} equations", system.free_dofs()));
     let mut kept = Kept::default();
     let options = &plan.scenario.solver;
     let solved = timed(&mut seconds.solve, || fem::solve_keeping(&system, options, guess, &mut kept))?;
-    let kept = problem.goal.map(|_| kept);
-    phase.say(format!("step {index}: estimate the error"));
+    let kept = if problem.goal.is_some() { kept } else { Kept::default() };
+    phase.say(format!("{name}: estimate the error"));
     let estimator = plan.scenario.adapt.estimator;
     let (solution, errors) = timed(&mut seconds.estimate, || {
         let solution = fem::recover(&space, &problem.model, &system, &solved);
@@ -60,22 +106,29 @@ pub(super) fn analyse<'m>(
         (solution, errors)
     });
     let (dofs, free_dofs) = (system.dofs(), system.free_dofs());
-    let mut analysed = Analysed { space, solution, errors, goal: None, dofs, free_dofs };
-    if let (Some(goal), Some(kept)) = (problem.goal, kept) {
-        phase.say(format!("step {index}: solve the dual problem of `{}`", problem.quantities[goal].name));
-        analysed.goal = goal_error(&analysed, problem, plan, (system, kept), seconds)?;
-    }
-    Ok(analysed)
+    Ok((
+        Analysed { space, solution, errors, goal: None, dual: Dual::default(), straight: None, dofs, free_dofs },
+        system,
+        kept,
+    ))
 }
 
-/// The error of the quantity that the scenario aims at, by its dual problem.
+/// What is to be known of a dual solution.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Dual {
+    strain_energy: f64,
+    /// Whether the cells do not show it, and the quantity is not what they make of it.
+    pub unresolved: bool,
+}
+
+/// The error of the quantity that the scenario aims at, by its dual problem, and what is to be known of that one's solution.
 fn goal_error(
     analysed: &Analysed<'_>,
     problem: &Resolved,
     plan: &Plan<'_>,
     (system, mut kept): (System, Kept),
     seconds: &mut PhaseSeconds,
-) -> Result<Option<GoalError>, FemError> {
+) -> Result<Option<(GoalError, Dual)>, FemError> {
     let kind = problem.goal.map(|q| problem.quantities[q].kind);
     let Some(goal) = kind.and_then(|kind| Goal::new(&analysed.space, &problem.model, kind)) else { return Ok(None) };
     let (space, estimator) = (&analysed.space, plan.scenario.adapt.estimator);
@@ -90,7 +143,7 @@ fn goal_error(
         let mut error = adapt::goal_error(primal, side(&of_goal, &dual, &errors), estimator);
         // What the solver's residual makes of the quantity: the forces that are not balanced times the dual solution.
         error.bar += unbalanced.iter().zip(&dual.displacement).map(|(f, z)| f.dot(*z)).sum::<f64>().abs();
-        Some(error)
+        Some((error, Dual { strain_energy: dual.strain_energy, unresolved: !errors.unresolved.is_empty() }))
     }))
 }
 
@@ -116,13 +169,40 @@ impl Analysed<'_> {
 
     /// Estimated error of the displacement in the energy norm, relative to the norm of the displacement.
     pub(super) fn relative_error(&self) -> f64 {
-        self.errors.relative(self.solution.strain_energy)
+        let eta = self.energy_error();
+        let whole = (2.0 * self.solution.strain_energy + eta * eta).sqrt();
+        if whole == 0.0 { 0.0 } else { eta / whole }
     }
 
-    /// Value and error bar of the quantity aimed at.
-    pub(super) fn goal_value(&self, problem: &Resolved) -> Option<(f64, f64)> {
+    /// That error itself.
+    fn energy_error(&self) -> f64 {
+        self.errors.energy().hypot(self.straight_edges())
+    }
+
+    /// The part of it that straight edges make.
+    fn straight_edges(&self) -> f64 {
+        self.straight.map_or(0.0, |straight| straight.squared.sqrt())
+    }
+
+    /// Adds what straight edges make to the errors.
+    pub(super) fn add(&mut self, straight: Straight) {
+        if let Some(goal) = &mut self.goal {
+            goal.bar += straight.goal;
+        }
+        self.straight = Some(straight);
+    }
+
+    /// Whether nothing moves, though there are loads.
+    pub(super) fn is_idle(&self, problem: &Resolved) -> bool {
+        self.solution.displacement.iter().all(|u| *u == DVec3::ZERO) && !problem.model.loads.is_empty()
+    }
+
+    /// The quantity aimed at.
+    pub(super) fn aim(&self, problem: &Resolved) -> Option<Aim> {
         let goal = self.goal.as_ref()?;
-        Some((quantities::value(problem, self, problem.goal?) + goal.correction, goal.bar))
+        let value = quantities::value(problem, self, problem.goal?) + goal.correction;
+        let scale = (2.0 * self.solution.strain_energy * 2.0 * self.dual.strain_energy).sqrt();
+        Some(Aim { value, bar: goal.bar, scale })
     }
 
     /// Largest estimated error of a cell, in the energy norm; NaN if no cell has an estimate other than zero and some have
@@ -173,14 +253,15 @@ impl Analysed<'_> {
         // Where nothing has an error, the normalised error is zero too.
         let mean = |sum: f64, unit: f64| if unit == 0.0 { 0.0 } else { sum / squared.len() as f64 / unit };
         ErrorRecord {
-            energy: self.errors.energy(),
+            energy: self.energy_error(),
             relative: self.relative_error(),
             data: self.errors.unseen(),
+            straight_edges: self.straight_edges(),
             normalised_mean: mean(squared.iter().map(|e| e.sqrt()).sum(), unit),
             normalised_mean_square: mean(squared.iter().sum(), unit * unit),
             true_energy: exact.map(|e| e.energy),
             true_relative: exact.map(|e| e.relative),
-            effectivity: exact.map(|e| self.errors.energy() / e.energy),
+            effectivity: exact.map(|e| self.energy_error() / e.energy),
         }
     }
 }

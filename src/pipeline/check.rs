@@ -4,12 +4,12 @@ use super::describe::{self, MeshDetails, word};
 use super::forecast::{self, Forecast};
 use super::inspect::{describe_groups, describe_mesh};
 use super::resolve::{Resolved, check_supports, choose_materials};
-use super::{RunOptions, load, print, resolve, table, unbroken, wrapped};
+use super::{RunOptions, load, print, resolve, wrapped};
 use crate::error::Error;
 use crate::mesh::TetMesh;
 use crate::output::options::Units;
 use crate::output::report::write_json;
-use crate::output::table::{count, figures, short, units};
+use crate::output::table::{count, figures, short, table, text, units};
 use crate::scenario::{Material, Refine, Scenario, Strategy, Tolerance};
 use crate::subdiv::options::Scheme;
 use std::time::Instant;
@@ -69,7 +69,7 @@ pub fn check(scenario: &Scenario, options: &RunOptions) -> Result<(), Error> {
 }
 
 fn describe_materials(scenario: &Scenario, mesh: &TetMesh) -> Result<String, Error> {
-    let mut rows = table(&["region", "material", "Young's modulus", "Poisson's ratio", "density"]);
+    let mut rows = table("region|material|Young's modulus|Poisson's ratio|density");
     for (region, m) in mesh.region_names().iter().zip(choose_materials(&scenario.materials, mesh)?) {
         let density = m.density.map_or_else(|| "-".to_owned(), |d| short(d, DIGITS));
         rows.add_row([
@@ -80,7 +80,7 @@ fn describe_materials(scenario: &Scenario, mesh: &TetMesh) -> Result<String, Err
             density,
         ]);
     }
-    Ok(format!("\n{}\n", unbroken(rows)))
+    Ok(format!("\n{}\n", text(rows)))
 }
 
 /// What `--json` holds.
@@ -121,7 +121,7 @@ fn materials(scenario: &Scenario, mesh: &TetMesh) -> Result<Vec<MaterialRecord>,
 }
 
 fn describe_selections(resolved: &Resolved) -> Result<String, Error> {
-    let mut held = table(&["support", "faces", "area", "vertices", "x", "y", "z"]);
+    let mut held = table("support|faces|area|vertices|x|y|z");
     for s in describe::supports(resolved) {
         let [x, y, z] = std::array::from_fn(|c| match (&s.displacement[c], s.spring[c]) {
             (Some(u), _) => u.constant().map_or_else(|| u.to_string(), |x| short(x, DIGITS)),
@@ -132,7 +132,7 @@ fn describe_selections(resolved: &Resolved) -> Result<String, Error> {
             if s.faces == 0 { ("-".to_owned(), "-".to_owned()) } else { (s.faces.to_string(), figures(s.area, 5)) };
         held.add_row([s.name, faces, area, s.vertices.to_string(), x, y, z]);
     }
-    let mut acts = table(&["load", "is", "faces", "area", "total x", "y", "z"]);
+    let mut acts = table("load|is|faces|area|total x|y|z");
     for l in describe::loads(resolved)? {
         let value = l.value.iter().map(|v| v.constant().map_or_else(|| v.to_string(), |x| short(x, DIGITS)));
         let value = value.collect::<Vec<String>>().join(", ");
@@ -142,13 +142,13 @@ fn describe_selections(resolved: &Resolved) -> Result<String, Error> {
         let kind = l.point.map_or(l.kind.to_owned(), |[x, y, z]| format!("at ({x}, {y}, {z})"));
         acts.add_row([l.name, format!("{kind} {value}"), faces, area, x, y, z]);
     }
-    Ok(format!("\n{}\n\n{}\n", unbroken(held), unbroken(acts)))
+    Ok(format!("\n{}\n\n{}\n", text(held), text(acts)))
 }
 
 /// Quantities and probes, with what they are taken over; nothing if there are none.
 fn describe_wishes(scenario: &Scenario, resolved: &Resolved) -> String {
-    let mut text = String::new();
-    let mut wanted = table(&["quantity", "what", "taken over"]);
+    let mut told = String::new();
+    let mut wanted = table("quantity|what|taken over");
     for q in describe::quantities(resolved) {
         let faces = q.faces.map(|n| format!("{n} faces, area {}", figures(q.area.unwrap_or_default(), 6)));
         let volume = q.volume.map(|v| format!("volume {}", figures(v, 6)));
@@ -156,22 +156,22 @@ fn describe_wishes(scenario: &Scenario, resolved: &Resolved) -> String {
         wanted.add_row([q.name, q.what, faces.or(volume).or(point).unwrap_or_else(|| "-".to_owned())]);
     }
     if !wanted.is_empty() {
-        text += &format!("\n{}\n", unbroken(wanted));
+        told += &format!("\n{}\n", text(wanted));
     }
-    let mut lines = table(&["probe", "from", "to", "points", "in the part"]);
+    let mut lines = table("probe|from|to|points|in the part");
     for p in describe::probes(scenario, &resolved.mesh) {
         let [from, to] = [p.from, p.to].map(|[x, y, z]| format!("({x}, {y}, {z})"));
         lines.add_row([p.name, from, to, p.points.to_string(), p.inside.to_string()]);
     }
     if !lines.is_empty() {
-        text += &format!("\n{}\n", unbroken(lines));
+        told += &format!("\n{}\n", text(lines));
     }
-    text
+    told
 }
 
 /// The sizes of the steps that a run may make.
 fn describe_forecast(forecast: &Forecast) -> String {
-    let mut rows = table(&["step", "cells", "nodes", "dofs", "memory"]);
+    let mut rows = table("step|cells|nodes|dofs|memory");
     for s in &forecast.steps {
         let about = |n: usize| if s.exact { count(n) } else { format!("~ {}", count(rough(n))) };
         rows.add_row([
@@ -184,7 +184,7 @@ fn describe_forecast(forecast: &Forecast) -> String {
     }
     let free = forecast.free_bytes.map_or(String::new(), |b| format!(" {} of memory are free.", forecast::size(b)));
     let end = format!("The forecast ends by {}. ~ is an estimate, mostly within a factor of two.{free}", forecast.end);
-    format!("\n{rows}\n{}", wrapped(&end))
+    format!("\n{}\n{}", text(rows), wrapped(&end))
 }
 
 /// An estimate to two figures.

@@ -28,6 +28,9 @@ pub fn compare(scenario: &Scenario, options: &RunOptions, repeat: usize) -> Resu
     if scenario.refine.options.scheme == Scheme::Red {
         return Err(Error::NothingToCompare);
     }
+    if scenario.hexes.is_some() {
+        return Err(Error::NothingAdaptive);
+    }
     let problem = prepare(scenario, options)?;
     if !options.quiet && (scenario.refine.strategy == Strategy::None || scenario.refine.steps == 0) {
         print(NOTHING_REFINED)?;
@@ -50,7 +53,7 @@ pub fn compare(scenario: &Scenario, options: &RunOptions, repeat: usize) -> Resu
         write_json(path, &comparison)?;
     }
     if !options.quiet {
-        let new = |name: &str, report| new_warnings(name, report, scenario, &problem);
+        let new = |name: &str, report| new_warnings(name, report, scenario, &problem.warnings);
         let mut doubts = new("global, ", global) + &new("adaptive, ", adaptive);
         for (name, strategy, report) in
             [("global", Strategy::Global, global), ("adaptive", Strategy::Adaptive, adaptive)]

@@ -6,7 +6,7 @@ use super::resolve::Resolved;
 use super::select;
 use crate::fem::{self, FemError, LoadKind, QuantityKind, Space};
 use crate::field::{Field, VectorField};
-use crate::mesh::{GroupId, TetMesh};
+use crate::mesh::{GroupId, Tagged as _, TetMesh};
 use crate::output::report::MeshReport;
 use crate::scenario::Scenario;
 use glam::DVec3;
@@ -41,7 +41,7 @@ impl MeshDetails {
         let group = |(id, name): (GroupId, &String)| Group {
             name: name.clone(),
             faces: mesh.group_faces(id).count(),
-            area: select::area(mesh, mesh.group_faces(id)),
+            area: select::area(mesh, mesh.faces_of(id)),
         };
         Self {
             report: MeshReport::of(mesh, seconds),

@@ -12,6 +12,9 @@ const LARGE_DISPLACEMENT: f64 = 0.1;
 /// Error bar of a quantity over its value from which it is in doubt itself.
 const COARSE: f64 = 0.5;
 
+/// By how much an estimate is raised above what recovery finds from which it is worth a word.
+const RAISED: f64 = 1.2;
+
 /// The warning of a run that ends because there is nothing to refine, though there is an error.
 pub(super) const NOTHING_MARKED: &str =
     "marking selected no cell, so the run ends here: `adapt.marking` asks for a larger error than any cell has";
@@ -19,7 +22,10 @@ pub(super) const NOTHING_MARKED: &str =
 /// Warnings about a step; `before` is the record of the step before.
 pub(super) fn about(step: &Step<'_>, before: Option<&StepRecord>, record: &StepRecord) -> Vec<String> {
     let index = step.index;
-    let isolated = step.analysed.errors.unestimated.len();
+    let errors = &step.analysed.errors;
+    // Of those that are not resolved something else is said.
+    let lock = |t: &u32| errors.unresolved.binary_search(t).is_ok();
+    let isolated = errors.unestimated.iter().filter(|t| !lock(t)).count();
     let isolated = (isolated > 0).then(|| {
         format!(
             "step {index}: the error of {} cannot be estimated: isolated, they share no vertex with another cell of \
@@ -27,14 +33,19 @@ pub(super) fn about(step: &Step<'_>, before: Option<&StepRecord>, record: &StepR
             cells(isolated)
         )
     });
+    let locking = locking(step);
     let info = &step.analysed.solution.info;
     let rounding = info.reason.contains("limit of double precision").then(|| {
         format!("step {index}: the solver's residual {:.1e} is at the limit of double precision", info.residual)
     });
-    let grew = before.and_then(|before| growth(index, before.error.relative, record.error.relative));
+    // Of the same body only: straight edges add their own error.
+    let same = before.filter(|before| before.error.straight_edges == record.error.straight_edges);
+    let grew = same.and_then(|before| growth(index, before.error.relative, record.error.relative));
     let diagonal = step.mesh.diagonal();
     let largest = step.analysed.solution.displacement.iter().copied().map(DVec3::length).fold(0.0, f64::max);
-    let large = (index == 0 && largest > LARGE_DISPLACEMENT * diagonal).then(|| {
+    // A known solution is one of the linear theory, whatever its size.
+    let known = record.error.true_energy.is_some();
+    let large = (index == 0 && !known && largest > LARGE_DISPLACEMENT * diagonal).then(|| {
         format!(
             "the largest displacement is {} % of the model's diagonal: check units and loads; the theory holds for \
              small strains and rotations",
@@ -51,7 +62,47 @@ pub(super) fn about(step: &Step<'_>, before: Option<&StepRecord>, record: &StepR
             short(value, 6)
         )
     });
-    [isolated, rounding, grew, large, coarse].into_iter().flatten().collect()
+    let idle = index == 0 && step.idle;
+    let idle = idle.then(|| {
+        "nothing is strained, though there are loads: they are zero at all points that the mesh looks at; check their \
+         expressions, or use a finer mesh where they act"
+            .to_owned()
+    });
+    [isolated, rounding, grew, large, coarse, idle].into_iter().flatten().chain(locking).collect()
+}
+
+/// What is said of four-node cells that lock.
+fn locking(step: &Step<'_>) -> Vec<String> {
+    let (errors, mesh) = (&step.analysed.errors, step.mesh);
+    let (index, unresolved) = (step.index, errors.unresolved.len());
+    let bar = step.analysed.goal.as_ref().is_some_and(|goal| goal.bar.is_nan());
+    let how = if bar || step.analysed.relative_error().is_nan() {
+        "their error is not known"
+    } else {
+        "the estimated error is that of ten-node cells on the same mesh"
+    };
+    let dual = step.analysed.dual.unresolved;
+    let thin = (unresolved > 0 || dual).then(|| {
+        let (who, what) = if unresolved > 0 {
+            (cells(unresolved), "the solution")
+        } else {
+            ("cells".to_owned(), "what the quantity aimed at depends on")
+        };
+        format!(
+            "step {index}: {who} of four nodes do not show {what}, as they lock or are far too coarse: the body is much too \
+             stiff; {how}. Use analysis.element = \"tet10\", or more cells through the thickness"
+        )
+    });
+    let region = |(name, factor): (&String, &f64)| {
+        (*factor > RAISED).then(|| {
+            format!(
+                "step {index}: four-node cells of region `{name}` lock, as its Poisson's ratio is near 1/2: their estimated \
+                 error, {}-fold what the stresses say, is a rough bound. Use analysis.element = \"tet10\"",
+                short(*factor, 2)
+            )
+        })
+    };
+    thin.into_iter().chain(mesh.region_names().iter().zip(&errors.raised).filter_map(region)).collect()
 }
 
 /// The value of the quantity that has an error bar.
@@ -99,6 +150,10 @@ pub(super) fn ending(scenario: &Scenario, strategy: Strategy, report: &Report) -
         }
         StopReason::Seconds => asked("seconds", stop.seconds.map(|s| s.to_string())),
         StopReason::Exact => "the estimated error is rounding".to_owned(),
+        StopReason::StraightEdges => {
+            "refined meshes have straight edges, which alone exceed the error asked for".to_owned()
+        }
+        StopReason::Zero => "the quantity aimed at is zero within its error bar".to_owned(),
         StopReason::Interrupted => "interrupted".to_owned(),
     };
     format!("stopped after step {}: {}, {why}", last.step, cells(last.mesh.cells))

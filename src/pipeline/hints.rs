@@ -1,11 +1,11 @@
 //! What to say when a selector finds nothing.
 
 use super::{select, span};
-use crate::mesh::{TetMesh, features::face_normal};
+use crate::mesh::Tagged;
 use crate::scenario::{Selector, suggest};
 
 /// The first `own` groups, which are the mesh's own, with the nearest name first.
-pub(super) fn unknown_group(mesh: &TetMesh, own: usize, name: &str) -> String {
+pub(super) fn unknown_group(mesh: &impl Tagged, own: usize, name: &str) -> String {
     if mesh.region_names().iter().any(|r| r == name) {
         return format!(
             "`{name}` is a region (of cells), but supports and loads act on boundary faces; {}",
@@ -17,7 +17,7 @@ pub(super) fn unknown_group(mesh: &TetMesh, own: usize, name: &str) -> String {
 }
 
 /// How far the parts of a selector miss the boundary, and what there is.
-pub(super) fn empty_selection(mesh: &TetMesh, own: usize, selector: &Selector) -> String {
+pub(super) fn empty_selection(mesh: &impl Tagged, own: usize, selector: &Selector) -> String {
     let mut misses = Vec::new();
     collect_misses(mesh, selector, &mut misses);
     if misses.is_empty() {
@@ -28,14 +28,14 @@ pub(super) fn empty_selection(mesh: &TetMesh, own: usize, selector: &Selector) -
     misses.join("\n")
 }
 
-fn groups(mesh: &TetMesh, own: usize) -> String {
+fn groups(mesh: &impl Tagged, own: usize) -> String {
     match &mesh.groups()[..own] {
         [] => "the mesh has no groups of boundary faces".to_owned(),
         names => format!("groups of this mesh: {}", names.join(", ")),
     }
 }
 
-fn collect_misses(mesh: &TetMesh, selector: &Selector, misses: &mut Vec<String>) {
+fn collect_misses(mesh: &impl Tagged, selector: &Selector, misses: &mut Vec<String>) {
     match selector {
         Selector::All(list) | Selector::Any(list) => list.iter().for_each(|s| collect_misses(mesh, s, misses)),
         Selector::Not(_) => {}
@@ -43,7 +43,7 @@ fn collect_misses(mesh: &TetMesh, selector: &Selector, misses: &mut Vec<String>)
         Selector::Group(name) => misses.push(format!("group `{name}` has no faces")),
         Selector::Normal { direction, .. } => {
             let angle = |n: glam::DVec3| n.cross(*direction).length().atan2(n.dot(*direction)).to_degrees();
-            let normals = mesh.faces().iter().map(|f| face_normal(mesh.points(), f.vertices));
+            let normals = (0..mesh.face_count()).map(|f| mesh.face_area(f));
             let nearest = normals.map(angle).fold(f64::INFINITY, f64::min);
             misses.push(format!("the nearest face normal is {nearest:.2} degrees off"));
         }
@@ -51,17 +51,19 @@ fn collect_misses(mesh: &TetMesh, selector: &Selector, misses: &mut Vec<String>)
     }
 }
 
-fn shape_miss(mesh: &TetMesh, shape: &Selector) -> String {
+fn shape_miss(mesh: &impl Tagged, shape: &Selector) -> String {
     let mut text = String::new();
     if let Selector::Plane { normal, offset, .. } = shape {
-        let along = mesh.faces().iter().flat_map(|f| f.vertices).map(|v| normal.dot(mesh.points()[v as usize]));
+        let corners = (0..mesh.face_count()).flat_map(|f| mesh.face_corners(f));
+        let along = corners.map(|&v| normal.dot(mesh.points()[v as usize]));
         let (lo, hi) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), x| (lo.min(x), hi.max(x)));
         text = format!("normal . x runs from {lo} to {hi} over the boundary, the plane asks for {offset}; ");
     }
     let (distance, tolerance) = (select::nearest(mesh, shape), select::tolerance(mesh, shape));
     text += &format!("the nearest face lies {distance:.2e} away, the tolerance is {tolerance:.2e}");
     // A near miss is a matter of rounding in the mesh file, a far one is not.
-    if distance <= 1e-3 * mesh.diagonal() {
+    let (lo, hi) = mesh.limits();
+    if distance <= 1e-3 * lo.distance(hi) {
         text += &format!(": tolerance = {:.1e} would take it", 1.1 * distance);
     }
     text

@@ -1,10 +1,11 @@
 //! `subsolid inspect`: what a mesh file holds.
 
 use super::describe::{self, MeshDetails, Region};
-use super::{load, print, select, span, table, wrapped};
+use super::{load, print, select, span, wrapped};
 use crate::error::Error;
-use crate::mesh::{GroupId, TetMesh, features, quality, read, topology};
+use crate::mesh::{GroupId, Tagged as _, TetMesh, features, quality, read, topology};
 use crate::output::report::write_json;
+use crate::output::table::{table, text};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -54,7 +55,7 @@ pub(super) fn describe_mesh(mesh: &TetMesh, format: &str) -> String {
     let q = quality::quality(mesh);
     let (feature_edges, length) = features::feature_count_and_length(mesh);
     let (_, parts) = mesh.connected_parts();
-    let mut rows = table(&["mesh", format]);
+    let mut rows = table(&format!("mesh|{format}"));
     let mut row = |what: &str, value: String| {
         rows.add_row([what.to_owned(), value]);
     };
@@ -78,16 +79,16 @@ pub(super) fn describe_mesh(mesh: &TetMesh, format: &str) -> String {
     let valence = format!("at most {}, average {:.2}, above 50 at {above:.2} %", q.max_valence, q.average_valence);
     row("cells at a vertex", valence);
     row("inverted cells", q.inverted.to_string());
-    format!("{rows}\n")
+    text(rows) + "\n"
 }
 
 /// The regions with their cells and volumes.
 fn describe_regions(mesh: &TetMesh) -> String {
-    let mut rows = table(&["region", "cells", "volume"]);
+    let mut rows = table("region|cells|volume");
     for Region { name, cells, volume } in describe::regions(mesh) {
         rows.add_row([name, cells.to_string(), format!("{volume:.6}")]);
     }
-    format!("\n{rows}\n")
+    format!("\n{}\n", text(rows))
 }
 
 /// The first `count` groups with their faces and areas.
@@ -95,10 +96,10 @@ pub(super) fn describe_groups(mesh: &TetMesh, count: usize) -> String {
     if count == 0 {
         return "\nno groups of boundary faces\n".to_owned();
     }
-    let mut rows = table(&["group", "faces", "area"]);
+    let mut rows = table("group|faces|area");
     for (id, name) in (0..).map(GroupId).zip(&mesh.groups()[..count]) {
-        let area = select::area(mesh, mesh.group_faces(id));
+        let area = select::area(mesh, mesh.faces_of(id));
         rows.add_row([name.clone(), mesh.group_faces(id).count().to_string(), format!("{area:.6}")]);
     }
-    format!("\n{rows}\n")
+    format!("\n{}\n", text(rows))
 }

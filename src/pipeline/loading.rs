@@ -1,6 +1,6 @@
 //! Loads that do less than they seem to.
 
-use crate::fem::{self, FemError, Load, Model, Prescribed, Quantity, QuantityKind, Space, Support};
+use crate::fem::{self, FemError, Integrals, Load, Model, Prescribed, Quantity, QuantityKind, Space, Support};
 use glam::DVec3;
 
 /// Part of a load's largest nodal force below which a component is rounding.
@@ -9,9 +9,12 @@ const ROUNDING: f64 = 1e-12;
 /// Loads that are zero, act on fixed nodes only, or cancel out; a model that nothing loads.
 ///
 /// # Errors
-/// [`FemError`]: an expression of a support or load has no finite value where it acts, or supports contradict each other.
-pub(super) fn warnings(space: &Space<'_>, model: &Model) -> Result<Vec<String>, FemError> {
-    let prescribed = fem::prescribed(space, model)?;
+/// [`FemError`]: an expression of a load has no finite value where it acts.
+pub(super) fn warnings(
+    space: &impl Integrals,
+    model: &Model,
+    prescribed: &[Prescribed],
+) -> Result<Vec<String>, FemError> {
     let mut warnings = Vec::new();
     let (mut total, mut size) = (DVec3::ZERO, 0.0);
     for load in &model.loads {
@@ -21,7 +24,7 @@ pub(super) fn warnings(space: &Space<'_>, model: &Model) -> Result<Vec<String>, 
         size += magnitude;
         if magnitude == 0.0 {
             warnings.push(format!("load `{}` is zero", load.name));
-        } else if only_fixed(&forces, &prescribed) {
+        } else if only_fixed(&forces, prescribed) {
             warnings.push(format!("load `{}` acts on fixed nodes only: supports take it", load.name));
         }
     }
@@ -35,14 +38,11 @@ pub(super) fn warnings(space: &Space<'_>, model: &Model) -> Result<Vec<String>, 
 }
 
 /// Supports that prescribe nothing: others, named before them, prescribe the same.
-///
-/// # Errors
-/// As [`warnings`].
-pub(super) fn idle_supports(space: &Space<'_>, model: &Model) -> Result<Vec<String>, FemError> {
+pub(super) fn idle_supports(model: &Model, prescribed: &[Prescribed]) -> Vec<String> {
     let mut busy = vec![false; model.supports.len()];
-    fem::prescribed(space, model)?.iter().for_each(|p| busy[p.support as usize] = true);
+    prescribed.iter().for_each(|p| busy[p.support as usize] = true);
     let idle = model.supports.iter().zip(busy).filter(|(s, busy)| !busy && s.stiffness == DVec3::ZERO);
-    Ok(idle.map(|(s, _)| format!("support `{}` holds nothing that others do not hold already", s.name)).collect())
+    idle.map(|(s, _)| format!("support `{}` holds nothing that others do not hold already", s.name)).collect()
 }
 
 /// A warning where the reaction aimed at depends on how nodes are shared: another support prescribes the same component at

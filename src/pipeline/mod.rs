@@ -7,6 +7,7 @@ pub mod compare;
 mod describe;
 mod doubts;
 mod forecast;
+pub mod hexes;
 mod hints;
 pub mod inspect;
 mod leftovers;
@@ -18,9 +19,11 @@ mod passes;
 mod quantities;
 pub mod resolve;
 mod results;
+mod richer;
 pub mod run;
 pub mod select;
 mod simulate;
+mod straight;
 pub mod subdivide;
 mod tolerance;
 pub mod variants;
@@ -29,10 +32,9 @@ pub mod verify;
 pub use model_error::ModelError;
 
 use crate::error::Error;
-use crate::mesh::TetMesh;
-use crate::output::table::short;
+use crate::mesh::Tagged;
+use crate::output::table::{COLUMNS, short};
 use crate::scenario::Scenario;
-use comfy_table::{Cell, CellAlignment, ColumnConstraint, ContentArrangement, LineStyle, Table, Width, presets};
 use glam::DVec3;
 use std::io::{ErrorKind, Write as _};
 use std::path::PathBuf;
@@ -82,42 +84,10 @@ pub fn print(text: &str) -> Result<(), Error> {
 /// A coordinate below this part of a mesh's diagonal is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Columns of a terminal that text fits into.
-const COLUMNS: u16 = 80;
-
-/// An empty table in the style of all of them.
-fn table(header: &[&str]) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none())).set_header(header);
-    table.set_content_arrangement(ContentArrangement::Dynamic).set_width(COLUMNS);
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
-}
-
-/// The table as text; no column is narrower than the numbers in it, which would break them into other numbers.
-fn unbroken(mut table: Table) -> String {
-    let widths: Vec<usize> = (0..table.column_count()).map(|column| widest_number(&table, column)).collect();
-    for (column, width) in table.column_iter_mut().zip(widths) {
-        let width = u16::try_from(width).unwrap_or(COLUMNS) + column.padding_width();
-        column.set_constraint(ColumnConstraint::LowerBoundary(Width::Fixed(width)));
-    }
-    table.to_string()
-}
-
-/// Characters of the longest number in a column, with the comma behind it.
-fn widest_number(table: &Table, column: usize) -> usize {
-    let cells = table.row_iter().filter_map(|row| row.cell_iter().nth(column));
-    let number = |word: &&str| word.trim_matches(['(', ')', ',', '[', ']']).parse::<f64>().is_ok();
-    let widest = |cell: &Cell| cell.content().split_whitespace().filter(number).map(str::len).max();
-    cells.filter_map(widest).max().unwrap_or(0)
-}
-
 /// The corners of a mesh's bounding box, to six figures; coordinates that are rounding beside its diagonal are 0.
-fn span(mesh: &TetMesh) -> String {
-    let (lo, hi) = mesh.bounding_box();
-    let diagonal = mesh.diagonal();
+fn span(mesh: &impl Tagged) -> String {
+    let (lo, hi) = mesh.limits();
+    let diagonal = lo.distance(hi);
     let corner = |p: DVec3| {
         let [x, y, z] = p.to_array().map(|x| if x.abs() < ROUNDING * diagonal { "0".to_owned() } else { short(x, 6) });
         format!("[{x}, {y}, {z}]")

@@ -1,13 +1,13 @@
 //! What a scenario asks of a solution, from its words to numbers: quantities, probes, expectations.
 
 use super::analyse::Analysed;
-use super::resolve::{Resolved, Targets, check_density, properties};
+use super::resolve::{Body, Resolved, Targets, check_density, properties};
 use super::{ModelError, span};
 use crate::error::Error;
 use crate::fem::options::{ExactSolution, Total};
 use crate::fem::{self, State, SymTensor};
 use crate::mesh::locate::Locator;
-use crate::mesh::{RegionId, TetMesh};
+use crate::mesh::{RegionId, Tagged, TetMesh};
 use crate::output::csv::write_csv;
 use crate::output::report::{ExpectationRecord, QuantityRecord, Report, StepRecord};
 use crate::output::table::short;
@@ -34,7 +34,7 @@ const COLUMNS: [&str; 14] =
 pub(super) fn resolve(
     scenario: &Scenario,
     chosen: &[&Material],
-    targets: &mut Targets,
+    targets: &mut Targets<impl Body>,
 ) -> Result<Vec<fem::Quantity>, ModelError> {
     let mut quantities = Vec::new();
     for q in &scenario.quantities {
@@ -43,7 +43,7 @@ pub(super) fn resolve(
             QuantityKind::Maximum(field, e) => fem::QuantityKind::Maximum(*field, extent(q, e, targets)?),
             QuantityKind::Value(field, point) => fem::QuantityKind::Value(*field, *point),
             QuantityKind::Total(what, c) => {
-                let cells = cells(q, c, targets.mesh())?;
+                let cells = cells(q, c, &targets.body)?;
                 if *what == Total::Mass {
                     let materials = cells.region.map_or(chosen, |r| &chosen[usize::from(r.0)..=usize::from(r.0)]);
                     check_density(format!("quantity `{}` is a mass", q.name), &q.place, materials)?;
@@ -58,18 +58,19 @@ pub(super) fn resolve(
         };
         quantities.push(fem::Quantity { name: q.name.clone(), kind });
     }
-    check_points(scenario, targets.mesh())?;
+    check_points(scenario, &targets.body)?;
     Ok(quantities)
 }
 
-fn extent(q: &Quantity, extent: &Extent, targets: &mut Targets) -> Result<fem::Extent, ModelError> {
+fn extent(q: &Quantity, extent: &Extent, targets: &mut Targets<impl Body>) -> Result<fem::Extent, ModelError> {
     match extent {
         Extent::Faces(selector) => targets.group("quantity", &q.name, &q.place, selector).map(fem::Extent::Faces),
-        Extent::Cells(c) => cells(q, c, targets.mesh()).map(fem::Extent::Cells),
+        Extent::Cells(c) => cells(q, c, &targets.body).map(fem::Extent::Cells),
     }
 }
 
-fn cells(q: &Quantity, cells: &Cells, mesh: &TetMesh) -> Result<fem::Cells, ModelError> {
+fn cells(q: &Quantity, cells: &Cells, body: &impl Body) -> Result<fem::Cells, ModelError> {
+    let mesh = body.mesh();
     let fault = |problem: String, help: String| {
         let (place, what) = (q.place.clone(), format!("quantity `{}`", q.name));
         Err(ModelError::Place { place, what, problem, help })
@@ -86,17 +87,21 @@ fn cells(q: &Quantity, cells: &Cells, mesh: &TetMesh) -> Result<fem::Cells, Mode
         },
     };
     let resolved = fem::Cells { region, within: cells.within };
-    if resolved.volume(mesh) > 0.0 {
-        return Ok(resolved);
+    match body.fault(&resolved) {
+        None => Ok(resolved),
+        Some(problem) => fault(problem, format!("the model spans {}", span(mesh))),
     }
-    fault("asks for a part that holds nothing of the mesh".to_owned(), format!("the model spans {}", span(mesh)))
 }
 
 /// The known solution of a scenario on its mesh.
 ///
 /// # Errors
 /// [`ModelError`]: several materials, another solid than that of the solution, a selector that matches nothing.
-pub(super) fn exact(e: &Exact, chosen: &[&Material], targets: &mut Targets) -> Result<fem::Exact, ModelError> {
+pub(super) fn exact(
+    e: &Exact,
+    chosen: &[&Material],
+    targets: &mut Targets<impl Body>,
+) -> Result<fem::Exact, ModelError> {
     let fault = |problem: &str, help: String| {
         let (place, what, problem) = (e.place.clone(), "the exact solution".to_owned(), problem.to_owned());
         Err(ModelError::Place { place, what, problem, help })
@@ -110,7 +115,7 @@ pub(super) fn exact(e: &Exact, chosen: &[&Material], targets: &mut Targets) -> R
         None => None,
     };
     let exact = fem::Exact { solution: e.solution, material: properties(first), tractions };
-    let (lo, hi) = targets.mesh().bounding_box();
+    let (lo, hi) = targets.mesh().limits();
     if !exact.fits(lo, hi) {
         let help = format!("it is known on {}; the model spans {}", body(e.solution), span(targets.mesh()));
         return fault("is that of another solid", help);
@@ -132,24 +137,22 @@ fn body(solution: ExactSolution) -> &'static str {
 }
 
 /// Checks that the points of quantities, and one of each probe at least, lie in the mesh.
-fn check_points(scenario: &Scenario, mesh: &TetMesh) -> Result<(), ModelError> {
+fn check_points(scenario: &Scenario, body: &impl Body) -> Result<(), ModelError> {
     let points = scenario.quantities.iter().filter_map(|q| match q.kind {
         QuantityKind::Value(_, point) => Some((format!("quantity `{}`", q.name), &q.place, vec![point])),
         _ => None,
     });
     let lines = scenario.probes.iter().map(|p| (format!("probe `{}`", p.name), &p.place, line(p)));
-    let mut locator = None;
+    let mesh = body.mesh();
+    let (lo, hi) = mesh.limits();
     for (what, place, points) in points.chain(lines) {
-        let locator = locator.get_or_insert_with(|| Locator::new(mesh));
-        let located = points.iter().map(|p| locator.nearest(*p));
-        let nearest = located.min_by(|a, b| a.distance.total_cmp(&b.distance));
-        let Some(nearest) = nearest.filter(|n| n.distance > OUTSIDE * mesh.diagonal()) else { continue };
-        let on_mesh: DVec3 = mesh.cell_points(nearest.cell).into_iter().zip(nearest.weights).map(|(x, w)| w * x).sum();
+        let nearest = body.nearest(&points).into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((distance, on_mesh)) = nearest.filter(|n| n.0 > OUTSIDE * lo.distance(hi)) else { continue };
         let problem = match points[..] {
             [p] => format!("asks for the point {p}, which lies outside the mesh"),
             _ => "lies outside the mesh with all its points".to_owned(),
         };
-        let help = format!("the nearest point of the mesh is {on_mesh}, {:.3e} away", nearest.distance);
+        let help = format!("the nearest point of the mesh is {on_mesh}, {distance:.3e} away");
         return Err(ModelError::Place { place: place.clone(), what, problem, help });
     }
     Ok(())

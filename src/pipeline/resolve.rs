@@ -4,12 +4,14 @@ use super::{ModelError, hints, loading, quantities, select, span};
 use crate::fem::options::Element;
 use crate::fem::{self, FemError, Model, Space};
 use crate::field::Field;
+use crate::mesh::locate::Locator;
 use crate::mesh::midside::Midside;
-use crate::mesh::{Face, GroupId, TetMesh, features, features::face_normal, topology};
+use crate::mesh::{GroupId, Tagged, TetMesh, features, topology};
 use crate::output::report::Selection;
 use crate::scenario::{Load, LoadKind, Material, Scenario, Selector, Support, suggest};
 use glam::DVec3;
 use miette::Diagnostic as _;
+use std::collections::BTreeSet;
 
 /// Cosine by which a normal may miss an axis: an angle of 1e-5.
 const AXIS_TOLERANCE: f64 = 5e-11;
@@ -68,7 +70,7 @@ pub fn resolve_curved(scenario: &Scenario, mesh: TetMesh, midsides: Vec<Midside>
     if scenario.supports.is_empty() {
         return Err(ModelError::NoSupports);
     }
-    let mut targets = Targets { own: mesh.groups().len(), mesh, midsides, selections: Vec::new() };
+    let mut targets = Targets::new(Tets { mesh, midsides });
     let exact = scenario.exact.as_ref().map(|e| quantities::exact(e, &chosen, &mut targets)).transpose()?;
     let supports = scenario.supports.iter().map(|s| targets.support(s, exact)).collect::<Result<Vec<_>, _>>()?;
     let mut loads = Vec::new();
@@ -80,14 +82,15 @@ pub fn resolve_curved(scenario: &Scenario, mesh: TetMesh, midsides: Vec<Midside>
     }
     let quantities = quantities::resolve(scenario, &chosen, &mut targets)?;
     let goal = scenario.adapt.goal.as_ref().and_then(|goal| quantities.iter().position(|q| q.name == *goal));
-    let Targets { mesh, midsides, selections, .. } = targets;
+    let Targets { body: Tets { mesh, midsides }, selections, .. } = targets;
     let model = Model { materials: chosen.iter().map(|m| properties(m)).collect(), supports, loads };
     // A known solution brings loads that the model does not list.
     let with_place = |error| with_place(scenario, error);
     let space = Space::new(&mesh, scenario.element, &midsides);
+    let prescribed = fem::prescribed(&space, &model).map_err(with_place)?;
     let mut warnings =
-        if exact.is_none() { loading::warnings(&space, &model).map_err(with_place)? } else { Vec::new() };
-    warnings.extend(loading::idle_supports(&space, &model).map_err(with_place)?);
+        if exact.is_none() { loading::warnings(&space, &model, &prescribed).map_err(with_place)? } else { Vec::new() };
+    warnings.extend(loading::idle_supports(&model, &prescribed));
     warnings.extend(goal.and_then(|goal| loading::shared_reaction(&space, &model, &quantities[goal])));
     drop(space);
     let mesh = with_features(scenario, mesh)?;
@@ -103,7 +106,7 @@ pub fn check_supports(scenario: &Scenario, problem: &Resolved) -> Result<(), Mod
 }
 
 /// An error of supports with the places where they are written.
-fn with_place(scenario: &Scenario, error: FemError) -> ModelError {
+pub(super) fn with_place(scenario: &Scenario, error: FemError) -> ModelError {
     let blamed: Vec<&Support> = match &error {
         FemError::FreeMotion { supports, .. } => supports.iter().map(|&i| &scenario.supports[i]).collect(),
         FemError::ConflictingSupports { first, second, .. } => {
@@ -126,7 +129,10 @@ pub(super) fn properties(m: &Material) -> fem::Material {
 }
 
 /// The material of each region: the one that names it, else the one that names none.
-pub(super) fn choose_materials<'a>(materials: &'a [Material], mesh: &TetMesh) -> Result<Vec<&'a Material>, ModelError> {
+pub(super) fn choose_materials<'a>(
+    materials: &'a [Material],
+    mesh: &impl Tagged,
+) -> Result<Vec<&'a Material>, ModelError> {
     let regions: Vec<&str> = mesh.region_names().iter().map(String::as_str).collect();
     for m in materials {
         if let Some(region) = m.group.as_ref().filter(|g| !regions.contains(&g.as_str())) {
@@ -144,7 +150,7 @@ pub(super) fn choose_materials<'a>(materials: &'a [Material], mesh: &TetMesh) ->
     Ok(chosen.into_iter().flatten().collect())
 }
 
-fn no_material(mesh: &TetMesh, chosen: &[Option<&Material>], example: &str) -> ModelError {
+fn no_material(mesh: &impl Tagged, chosen: &[Option<&Material>], example: &str) -> ModelError {
     let mut cells = vec![0_usize; chosen.len()];
     mesh.regions().iter().for_each(|r| cells[r.0 as usize] += 1);
     let bare = (0..chosen.len()).filter(|&r| chosen[r].is_none());
@@ -170,17 +176,18 @@ pub(super) fn check_density(what: String, place: &str, chosen: &[&Material]) -> 
 }
 
 /// The coordinate axis normal to all faces of a group.
-fn normal_axis(mesh: &TetMesh, group: GroupId, support: &Support) -> Result<usize, ModelError> {
+fn normal_axis(mesh: &impl Tagged, group: GroupId, support: &Support) -> Result<usize, ModelError> {
     let refuse = |problem: String, help| {
         let (place, what) = (support.place.clone(), format!("support `{}`", support.name));
         ModelError::NotSliding { place, what, problem, help }
     };
     let mut axis = None;
-    for face in mesh.group_faces(group) {
-        let normal = face_normal(mesh.points(), face.vertices).normalize_or_zero();
+    for face in mesh.faces_of(group) {
+        let normal = mesh.face_area(face).normalize_or_zero();
         let along = (0..3).find(|&c| normal[c].abs() >= 1.0 - AXIS_TOLERANCE);
         let Some(along) = along else {
-            let problem = format!("a face at {} has the normal {normal}", mesh.points()[face.vertices[0] as usize]);
+            let at = mesh.points()[mesh.face_corners(face)[0] as usize];
+            let problem = format!("a face at {at} has the normal {normal}");
             let help =
                 "the normal has to be along x, y or z: turn the part, or model the whole of it instead of a half";
             return Err(refuse(problem, help));
@@ -195,72 +202,137 @@ fn normal_axis(mesh: &TetMesh, group: GroupId, support: &Support) -> Result<usiz
     Ok(axis.unwrap_or(0))
 }
 
-/// Refuses a point outside the mesh, but for rounding.
-fn check_inside(mesh: &TetMesh, point: DVec3, load: &Load) -> Result<(), ModelError> {
-    if fem::distance_outside(mesh, point) <= select::DEFAULT_TOLERANCE * mesh.diagonal() {
-        return Ok(());
-    }
-    let by_distance = |a: &&DVec3, b: &&DVec3| a.distance(point).total_cmp(&b.distance(point));
-    let nearest = mesh.points().iter().min_by(by_distance).copied().unwrap_or(point);
-    let help = format!("the nearest vertex is {nearest}; the model spans {}", span(mesh));
-    Err(ModelError::PointOutside { place: load.place.clone(), load: load.name.clone(), point, help })
+/// Whether faces of two groups share an edge: two vertices at least.
+fn do_meet(mesh: &impl Tagged, group: GroupId, other: GroupId) -> bool {
+    let corners =
+        |group| -> BTreeSet<u32> { mesh.faces_of(group).flat_map(|f| mesh.face_corners(f).to_vec()).collect() };
+    corners(group).intersection(&corners(other)).next().is_some()
 }
 
-/// The mesh while groups are added to it.
-pub(super) struct Targets {
-    mesh: TetMesh,
-    /// How many groups the mesh had at first; the others are of selectors, and nothing that a user could name.
-    own: usize,
-    selections: Vec<Selection>,
-    /// Nodes of curved edges, sorted by edge.
-    pub(super) midsides: Vec<Midside>,
+/// A body of some kind of cells, on which a scenario is resolved.
+pub(super) trait Body: Clone {
+    /// The kind of mesh.
+    type Mesh: Tagged;
+    /// The mesh.
+    fn mesh(&self) -> &Self::Mesh;
+    /// The same body with another mesh of the same vertices and cells.
+    fn with_mesh(self, mesh: Self::Mesh) -> Self;
+    /// Area of boundary faces.
+    fn area(&self, faces: &[usize]) -> f64;
+    /// Distance of each place from the body, and the body's nearest point.
+    fn nearest(&self, places: &[DVec3]) -> Vec<(f64, DVec3)>;
+    /// Distance from the body from which on a load at a place is refused.
+    fn outside(&self, place: DVec3) -> f64;
+    /// What is wrong with cells that a quantity asks for.
+    fn fault(&self, cells: &fem::Cells) -> Option<String>;
 }
 
-impl Targets {
-    /// Area of boundary faces, as they are: curved where their edges are.
-    fn area<'a>(&self, faces: impl Iterator<Item = &'a Face>) -> f64 {
-        if self.midsides.is_empty() {
-            return select::area(&self.mesh, faces);
-        }
-        let space = Space::new(&self.mesh, Element::Tet10, &self.midsides);
-        faces.flat_map(|f| space.face_rule(f)).map(|(_, _, area)| area.length()).sum()
-    }
+/// A body of tetrahedra, with the nodes of curved edges sorted by edge.
+#[derive(Clone)]
+pub(super) struct Tets {
+    pub mesh: TetMesh,
+    pub midsides: Vec<Midside>,
+}
 
-    pub(super) fn mesh(&self) -> &TetMesh {
+impl Body for Tets {
+    type Mesh = TetMesh;
+
+    fn mesh(&self) -> &TetMesh {
         &self.mesh
     }
 
-    fn support(&mut self, s: &Support, exact: Option<fem::Exact>) -> Result<fem::Support, ModelError> {
+    fn with_mesh(self, mesh: TetMesh) -> Self {
+        Self { mesh, ..self }
+    }
+
+    /// As the faces are: curved where their edges are.
+    fn area(&self, faces: &[usize]) -> f64 {
+        if self.midsides.is_empty() {
+            return select::area(&self.mesh, faces.iter().copied());
+        }
+        let space = Space::new(&self.mesh, Element::Tet10, &self.midsides);
+        faces.iter().flat_map(|&f| space.face_rule(&self.mesh.faces()[f])).map(|(_, _, area)| area.length()).sum()
+    }
+
+    fn nearest(&self, places: &[DVec3]) -> Vec<(f64, DVec3)> {
+        let locator = Locator::new(&self.mesh);
+        let nearest = |x: &DVec3| {
+            let found = locator.nearest(*x);
+            let corners = self.mesh.cell_points(found.cell).into_iter().zip(found.weights);
+            (found.distance, corners.map(|(x, w)| w * x).sum())
+        };
+        places.iter().map(nearest).collect()
+    }
+
+    fn outside(&self, place: DVec3) -> f64 {
+        fem::distance_outside(&self.mesh, place)
+    }
+
+    fn fault(&self, cells: &fem::Cells) -> Option<String> {
+        let is_empty = cells.volume(&self.mesh) <= 0.0;
+        is_empty.then(|| "asks for a part that holds nothing of the mesh".to_owned())
+    }
+}
+
+/// The body while groups are added to its mesh.
+pub(super) struct Targets<B> {
+    pub(super) body: B,
+    /// How many groups the mesh had at first; the others are of selectors, and nothing that a user could name.
+    own: usize,
+    pub(super) selections: Vec<Selection>,
+}
+
+impl<B: Body> Targets<B> {
+    pub(super) fn new(body: B) -> Self {
+        Self { own: body.mesh().groups().len(), body, selections: Vec::new() }
+    }
+
+    pub(super) fn mesh(&self) -> &B::Mesh {
+        self.body.mesh()
+    }
+
+    pub(super) fn support(&mut self, s: &Support, exact: Option<fem::Exact>) -> Result<fem::Support, ModelError> {
         let group = self.group("support", &s.name, &s.place, &s.selector)?;
         let meets = s.meets.as_ref().map(|other| self.group("support", &s.name, &s.place, other)).transpose()?;
         let mut displacement = s.displacement.clone();
         if s.sliding {
-            displacement[normal_axis(&self.mesh, group, s)?] = Some(Field::ZERO);
+            displacement[normal_axis(self.mesh(), group, s)?] = Some(Field::ZERO);
         }
         if let Some(exact) = exact.filter(|_| s.exact) {
             displacement = [0, 1, 2].map(|c| Some(exact.displacement_field(c)));
         }
-        let support = fem::Support { name: s.name.clone(), group, meets, displacement, stiffness: s.stiffness };
-        if support.nodes(&fem::Space::linear(&self.mesh)).is_empty() {
+        if meets.is_some_and(|other| !do_meet(self.mesh(), group, other)) {
             let (place, what) = (s.place.clone(), format!("support `{}`", s.name));
             return Err(ModelError::NoEdge { place, what });
         }
-        Ok(support)
+        Ok(fem::Support { name: s.name.clone(), group, meets, displacement, stiffness: s.stiffness })
     }
 
-    fn load(&mut self, load: &Load) -> Result<fem::LoadKind, ModelError> {
+    pub(super) fn load(&mut self, load: &Load) -> Result<fem::LoadKind, ModelError> {
         let mut group = |selector| self.group("load", &load.name, &load.place, selector);
         Ok(match &load.kind {
             LoadKind::Traction(s, t) => fem::LoadKind::Traction(group(s)?, t.clone()),
             LoadKind::Pressure(s, p) => fem::LoadKind::Pressure(group(s)?, p.clone()),
             LoadKind::Force(s, f) => fem::LoadKind::Force(group(s)?, *f),
             LoadKind::PointForce(x, f) => {
-                check_inside(&self.mesh, *x, load)?;
+                self.check_inside(*x, load)?;
                 fem::LoadKind::PointForce(*x, *f)
             }
             LoadKind::BodyForce(b) => fem::LoadKind::BodyForce(b.clone()),
             LoadKind::Gravity(g) => fem::LoadKind::Gravity(*g),
         })
+    }
+
+    /// Refuses a point outside the mesh, but for rounding.
+    fn check_inside(&self, point: DVec3, load: &Load) -> Result<(), ModelError> {
+        let (lo, hi) = self.mesh().limits();
+        if self.body.outside(point) <= select::DEFAULT_TOLERANCE * lo.distance(hi) {
+            return Ok(());
+        }
+        let by_distance = |a: &&DVec3, b: &&DVec3| a.distance(point).total_cmp(&b.distance(point));
+        let nearest = self.mesh().points().iter().min_by(by_distance).copied().unwrap_or(point);
+        let help = format!("the nearest vertex is {nearest}; the model spans {}", span(self.mesh()));
+        Err(ModelError::PointOutside { place: load.place.clone(), load: load.name.clone(), point, help })
     }
 
     /// The group of the faces that a selector matches: the mesh's own if it names one, else a new one.
@@ -272,24 +344,25 @@ impl Targets {
         s: &Selector,
     ) -> Result<GroupId, ModelError> {
         let title = format!("{what} `{name}`");
-        let selected = select::select(&self.mesh, s).map_err(|unknown| {
-            let help = hints::unknown_group(&self.mesh, self.own, &unknown.0);
+        let mesh = self.body.mesh();
+        let selected = select::select(mesh, s).map_err(|unknown| {
+            let help = hints::unknown_group(mesh, self.own, &unknown.0);
             ModelError::UnknownGroup { place: place.to_owned(), what: title.clone(), group: unknown.0, help }
         })?;
         if !selected.contains(&true) {
-            let help = hints::empty_selection(&self.mesh, self.own, s);
+            let help = hints::empty_selection(mesh, self.own, s);
             return Err(ModelError::EmptySelection { place: place.to_owned(), what: title, help });
         }
-        let chosen = || self.mesh.faces().iter().zip(&selected).filter(|(_, chosen)| **chosen).map(|(face, _)| face);
-        let (faces, area) = (chosen().count(), self.area(chosen()));
-        self.selections.push(Selection { name: name.to_owned(), what, faces, area });
+        let chosen: Vec<usize> = (0..selected.len()).filter(|&f| selected[f]).collect();
+        let area = self.body.area(&chosen);
+        self.selections.push(Selection { name: name.to_owned(), what, faces: chosen.len(), area });
         if let Selector::Group(existing) = s
-            && let Some(id) = self.mesh.group(existing)
+            && let Some(id) = mesh.group_named(existing)
         {
             return Ok(id);
         }
-        let (mesh, id) = self.mesh.clone().with_group(&format!("{what} {name}"), &selected)?;
-        self.mesh = mesh;
+        let (mesh, id) = mesh.clone().and_group(&format!("{what} {name}"), &selected)?;
+        self.body = self.body.clone().with_mesh(mesh);
         Ok(id)
     }
 }

@@ -14,35 +14,26 @@ use crate::output::plot::{dihedral_histogram, error_histogram};
 use crate::output::report::{Report, write_json};
 use crate::output::vtk::{Fields, Values, write_vtu};
 use crate::output::{OutputError, pvd, table};
-use crate::scenario::{MeshSource, Output, Scenario, Strategy};
+use crate::scenario::{MeshSource, Scenario, Strategy};
 use std::path::{Component, Path, PathBuf};
 
-/// Writes what a run gives, step by step.
-pub(super) struct Results<'a> {
+/// The folder of a run of any kind of cells.
+pub(super) struct Folder<'a> {
     folder: PathBuf,
-    scenario: &'a Scenario,
-    problem: &'a Resolved,
+    pub scenario: &'a Scenario,
     /// Time and name of each VTK file so far.
     files: Vec<(f64, String)>,
-    /// Minimum dihedral angles and errors of the cells of each step, for the histograms.
-    angles: Vec<(String, Vec<f64>)>,
-    errors: Vec<(String, Vec<f64>)>,
 }
 
-impl<'a> Results<'a> {
+impl<'a> Folder<'a> {
     /// Makes the folder and writes the scenario so that it runs again. What an earlier run or comparison left there is to be
     /// gone: beside fewer new files the old ones would be taken for results of this run.
     ///
     /// # Errors
     /// [`Error::Output`] if the folder cannot be written.
-    pub(super) fn begin(
-        folder: PathBuf,
-        scenario: &'a Scenario,
-        problem: &'a Resolved,
-        strategy: Strategy,
-    ) -> Result<Self, Error> {
+    pub(super) fn begin(folder: PathBuf, scenario: &'a Scenario, strategy: Strategy) -> Result<Self, Error> {
         ensure_writable_dir(&folder)?;
-        let results = Self { folder, scenario, problem, files: Vec::new(), angles: Vec::new(), errors: Vec::new() };
+        let results = Self { folder, scenario, files: Vec::new() };
         let copy = results.path("scenario.toml");
         if !leftovers::is_same(&copy, &scenario.path) {
             let mesh = match &scenario.mesh {
@@ -60,16 +51,69 @@ impl<'a> Results<'a> {
         self.folder.join(file)
     }
 
+    /// The fields that the scenario wants.
+    pub(super) fn chosen<'v>(&self, fields: Vec<(FieldName, &'v str, Values<'v>)>) -> Vec<(&'v str, Values<'v>)> {
+        let chosen = fields.into_iter().filter(|(field, ..)| self.scenario.output.fields.contains(field));
+        chosen.map(|(_, name, values)| (name, values)).collect()
+    }
+
+    /// Adds a VTK file to the collection.
+    pub(super) fn add(&mut self, time: f64, name: String) -> Result<(), Error> {
+        self.files.push((time, name));
+        Ok(pvd::write_pvd(&self.path("results.pvd"), &self.files)?)
+    }
+
+    /// Writes the report, its table, and the script that shows the results.
+    pub(super) fn finish(&self, report: &Report) -> Result<(), Error> {
+        let output = &self.scenario.output;
+        let shown = [FieldName::Displacement, FieldName::VonMises].iter().all(|field| output.fields.contains(field));
+        if output.vtk && shown {
+            pvd::write_view(&self.path("view.py"))?;
+        }
+        if output.report {
+            write_json(&self.path("report.json"), report)?;
+            let text = table::units(&report.units) + &table::steps(&report.steps);
+            write_text(&self.path("table.txt"), &text)?;
+        }
+        Ok(())
+    }
+}
+
+/// Writes what a run on tetrahedra gives, step by step.
+pub(super) struct Results<'a> {
+    folder: Folder<'a>,
+    problem: &'a Resolved,
+    /// Minimum dihedral angles and errors of the cells of each step, for the histograms.
+    angles: Vec<(String, Vec<f64>)>,
+    errors: Vec<(String, Vec<f64>)>,
+}
+
+impl<'a> Results<'a> {
+    /// Makes the folder, as [`Folder::begin`].
+    ///
+    /// # Errors
+    /// [`Error::Output`] if the folder cannot be written.
+    pub(super) fn begin(
+        folder: PathBuf,
+        scenario: &'a Scenario,
+        problem: &'a Resolved,
+        strategy: Strategy,
+    ) -> Result<Self, Error> {
+        let folder = Folder::begin(folder, scenario, strategy)?;
+        Ok(Self { folder, problem, angles: Vec::new(), errors: Vec::new() })
+    }
+
     /// Writes a step.
     pub(super) fn step(&mut self, step: &Step<'_>) -> Result<(), Error> {
         let label = format!("step {}: {} cells", step.index, step.mesh.tets().len());
         let indicator: Vec<f64> = step.analysed.errors.squared.iter().map(|e| e.sqrt()).collect();
         let angles = quality::min_dihedrals(step.mesh);
-        if self.scenario.output.vtk {
+        let scenario = self.folder.scenario;
+        if scenario.output.vtk {
             self.vtk(step, &indicator)?;
         }
         // Those of the last step stay.
-        write_probes(&self.folder, &self.scenario.probes, self.problem, step.analysed)?;
+        write_probes(&self.folder.folder, &scenario.probes, self.problem, step.analysed)?;
         self.angles.push((label.clone(), angles));
         self.errors.push((label, indicator));
         Ok(())
@@ -79,46 +123,33 @@ impl<'a> Results<'a> {
         let solution = &step.analysed.solution;
         let stress = solution.stress.means();
         let von_mises: Vec<f64> = stress.iter().map(|&s| fem::von_mises(s)).collect();
-        let output = &self.scenario.output;
+        let scenario = self.folder.scenario;
         let fields = Fields {
             time: step.index as f64,
-            units: self.scenario.units.clone(),
-            points: chosen(
-                output,
-                vec![
-                    (FieldName::Displacement, "displacement", Values::Vectors(&solution.displacement)),
-                    (FieldName::Stress, "stress", Values::Tensors(&step.analysed.errors.nodal_stress)),
-                ],
-            ),
-            cells: chosen(
-                output,
-                vec![
-                    (FieldName::VonMises, "von_mises", Values::Scalars(&von_mises)),
-                    (FieldName::Stress, "stress", Values::Tensors(&stress)),
-                    (FieldName::ErrorIndicator, "error_indicator", Values::Scalars(indicator)),
-                    (FieldName::Marked, "marked", Values::Flags(step.selected)),
-                ],
-            ),
+            units: scenario.units.clone(),
+            points: self.folder.chosen(vec![
+                (FieldName::Displacement, "displacement", Values::Vectors(&solution.displacement)),
+                (FieldName::Stress, "stress", Values::Tensors(&step.analysed.errors.nodal_stress)),
+            ]),
+            cells: self.folder.chosen(vec![
+                (FieldName::VonMises, "von_mises", Values::Scalars(&von_mises)),
+                (FieldName::Stress, "stress", Values::Tensors(&stress)),
+                (FieldName::ErrorIndicator, "error_indicator", Values::Scalars(indicator)),
+                (FieldName::Marked, "marked", Values::Flags(step.selected)),
+            ]),
         };
         let name = step_file(step.index);
-        write_vtu(&self.path(&name), &step.analysed.space, &fields, output.compression)?;
-        self.files.push((fields.time, name));
-        Ok(pvd::write_pvd(&self.path("results.pvd"), &self.files)?)
+        write_vtu(&self.folder.path(&name), &step.analysed.space, &fields, scenario.output.compression)?;
+        self.folder.add(fields.time, name)
     }
 
     /// Writes what is known only at the end of the run.
     pub(super) fn finish(self, report: &Report) -> Result<(), Error> {
-        let output = &self.scenario.output;
-        let shown = [FieldName::Displacement, FieldName::VonMises].iter().all(|field| output.fields.contains(field));
-        if output.vtk && shown {
-            pvd::write_view(&self.path("view.py"))?;
-        }
-        if self.scenario.output.report {
-            write_json(&self.path("report.json"), report)?;
-            let text = table::units(&report.units) + &table::steps(&report.steps);
-            write_text(&self.path("table.txt"), &text)?;
-            dihedral_histogram(&self.path("dihedral_angles.svg"), &self.angles)?;
-            error_histogram(&self.path("cell_errors.svg"), &self.errors, self.scenario.units.energy.as_deref())?;
+        self.folder.finish(report)?;
+        let scenario = self.folder.scenario;
+        if scenario.output.report {
+            dihedral_histogram(&self.folder.path("dihedral_angles.svg"), &self.angles)?;
+            error_histogram(&self.folder.path("cell_errors.svg"), &self.errors, scenario.units.energy.as_deref())?;
         }
         Ok(())
     }
@@ -127,12 +158,6 @@ impl<'a> Results<'a> {
 /// The name of a step's file.
 pub(super) fn step_file(step: usize) -> String {
     format!("step_{step:03}.vtu")
-}
-
-/// The fields that a scenario wants.
-fn chosen<'a>(output: &Output, fields: Vec<(FieldName, &'a str, Values<'a>)>) -> Vec<(&'a str, Values<'a>)> {
-    let chosen = fields.into_iter().filter(|(field, ..)| output.fields.contains(field));
-    chosen.map(|(_, name, values)| (name, values)).collect()
 }
 
 /// Writes a text file.

@@ -6,7 +6,7 @@ use super::quantities::failed_expectations;
 use super::resolve::{Resolved, check_supports, resolve_curved};
 use super::results::Results;
 use super::simulate::{Plan, simulate};
-use super::{RunOptions, load::load, print, tolerance, wrapped};
+use super::{RunOptions, hexes, load::load, print, tolerance, wrapped};
 use crate::error::Error;
 use crate::fem::options::Element;
 use crate::output::atomic::ensure_writable_dir;
@@ -33,6 +33,9 @@ pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<Report, Error> {
 
 /// Runs a scenario and writes its results, whatever it expects of them.
 pub(super) fn execute(scenario: &Scenario, options: &RunOptions) -> Result<Report, Error> {
+    if let Some(hexes) = scenario.hexes {
+        return hexes::execute(scenario, hexes, options);
+    }
     let problem = prepare(scenario, options)?;
     let folder = options.folder(scenario);
     ensure_writable_dir(&folder)?;
@@ -49,27 +52,37 @@ pub(super) fn execute(scenario: &Scenario, options: &RunOptions) -> Result<Repor
         plot_curves(&options.folder(scenario), scenario.element, &[("this run", &report)])?;
     }
     results.finish(&report)?;
-    if let Some(path) = &options.json {
-        write_json(path, &report)?;
-    }
-    if !options.quiet {
-        let folder = options.folder(scenario);
-        let reactions = report.steps.last().map(table::reactions).unwrap_or_default();
-        let (units, steps) = (table::units(&report.units), table::steps(&report.steps));
-        let text = format!("{units}{steps}\n{reactions}{}", quantity_tables(&report));
-        let ending = ending(scenario, plan.strategy, &report);
-        print(&format!(
-            "{text}\n{}{ending}\nresults in {}\n",
-            new_warnings("", &report, scenario, &problem),
-            folder.display()
-        ))?;
-    }
+    conclude(scenario, options, &report, &problem.warnings)?;
     Ok(report)
+}
+
+/// Writes the further file for the report, and prints tables, warnings and how the run ended; `said` are warnings of the problem
+/// that were printed before.
+pub(super) fn conclude(
+    scenario: &Scenario,
+    options: &RunOptions,
+    report: &Report,
+    said: &[String],
+) -> Result<(), Error> {
+    if let Some(path) = &options.json {
+        write_json(path, report)?;
+    }
+    if options.quiet {
+        return Ok(());
+    }
+    let folder = options.folder(scenario);
+    let reactions = report.steps.last().map(table::reactions).unwrap_or_default();
+    let (units, steps) = (table::units(&report.units), table::steps(&report.steps));
+    let text = format!("{units}{steps}\n{reactions}{}", quantity_tables(report));
+    let ending = ending(scenario, scenario.refine.strategy, report);
+    let warnings = new_warnings("", report, scenario, said);
+    print(&format!("{text}\n{warnings}{ending}\nresults in {}\n", folder.display()))
 }
 
 /// The warning of a run that refines a mesh with curved edges.
 const STRAIGHTENED: &str = "refined meshes have straight edges: from step 1 on the body is another than at step 0, energies do \
-                            not compare, and stresses at curved surfaces get worse; start from a finer mesh, with \
+                            not compare, and stresses at curved surfaces get worse. Errors from then on contain \
+                            what this changes, by the mesh that was read; to avoid it start from a finer mesh, with \
                             refine.strategy = \"none\"";
 
 /// Reads the mesh, resolves the scenario on it and checks that the supports hold it, before anything is written.
@@ -81,12 +94,23 @@ pub(super) fn prepare(scenario: &Scenario, options: &RunOptions) -> Result<Resol
         problem.warnings.push(STRAIGHTENED.to_owned());
     }
     check_supports(scenario, &problem)?;
-    if !options.quiet {
-        let remarks = file.notes.iter().map(|n| wrapped(&format!("note: {n}")));
-        let warnings = problem.said(scenario).map(|w| wrapped(&format!("warning: {w}")));
-        print(&format!("{}\n{}", scenario.title, remarks.chain(warnings).collect::<String>()))?;
-    }
+    announce(scenario, options, &file.notes, &problem.warnings)?;
     Ok(problem)
+}
+
+/// Prints the title, remarks on the mesh, and warnings of the scenario and of the problem.
+pub(super) fn announce(
+    scenario: &Scenario,
+    options: &RunOptions,
+    notes: &[String],
+    warnings: &[String],
+) -> Result<(), Error> {
+    if options.quiet {
+        return Ok(());
+    }
+    let remarks = notes.iter().map(|n| wrapped(&format!("note: {n}")));
+    let warnings = scenario.warnings.iter().chain(warnings).map(|w| wrapped(&format!("warning: {w}")));
+    print(&format!("{}\n{}", scenario.title, remarks.chain(warnings).collect::<String>()))
 }
 
 /// The tables of true errors, of quantities and of what was expected of them.
@@ -107,9 +131,8 @@ pub(super) fn failure(scenario: &Scenario, strategy: Strategy, report: &Report) 
 }
 
 /// The warnings of a run but for those that were said before it.
-pub(super) fn new_warnings(run: &str, report: &Report, scenario: &Scenario, problem: &Resolved) -> String {
-    let said: Vec<&String> = problem.said(scenario).collect();
-    let new = report.warnings.iter().filter(|w| !said.contains(w));
+pub(super) fn new_warnings(run: &str, report: &Report, scenario: &Scenario, said: &[String]) -> String {
+    let new = report.warnings.iter().filter(|w| !said.contains(w) && !scenario.warnings.contains(w));
     new.map(|w| wrapped(&format!("warning: {run}{w}"))).collect()
 }
 
@@ -118,7 +141,7 @@ pub(super) fn warnings(run: &str, report: &Report) -> String {
     report.warnings.iter().map(|w| wrapped(&format!("warning: {run}{w}"))).collect()
 }
 
-/// Plots the relative error, the true one where it is known of all runs, against dofs and seconds, and that of several runs
+/// Plots the relative error, the true one where it is known of all runs, against unknowns and seconds, and that of several runs
 /// against memory too.
 pub(super) fn plot_curves(folder: &Path, element: Element, runs: &[(&str, &Report)]) -> Result<(), Error> {
     let degree = match element {
@@ -131,7 +154,7 @@ pub(super) fn plot_curves(folder: &Path, element: Element, runs: &[(&str, &Repor
         let points = report.steps.iter().map(|s| {
             spent += s.seconds.computing();
             let paid = match axis {
-                Axis::Dofs(_) => s.free_dofs as f64,
+                Axis::Unknowns(_) => s.free_dofs as f64,
                 Axis::Seconds => spent,
                 Axis::Memory => s.peak_memory_bytes as f64 / 1e6,
             };
@@ -140,7 +163,7 @@ pub(super) fn plot_curves(folder: &Path, element: Element, runs: &[(&str, &Repor
         ((*name).to_owned(), points.collect())
     };
     let plots = [
-        (Axis::Dofs(degree), "error_dofs.svg"),
+        (Axis::Unknowns(degree), "error_dofs.svg"),
         (Axis::Seconds, "error_seconds.svg"),
         (Axis::Memory, "error_memory.svg"),
     ];

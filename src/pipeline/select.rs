@@ -1,6 +1,6 @@
 //! Selectors on the boundary of a mesh.
 
-use crate::mesh::{Face, TetMesh, features::face_normal};
+use crate::mesh::Tagged;
 use crate::scenario::Selector;
 use glam::DVec3;
 
@@ -16,9 +16,9 @@ pub struct UnknownGroup(pub String);
 ///
 /// # Errors
 /// [`UnknownGroup`] names the first group that does not exist.
-pub fn select(mesh: &TetMesh, selector: &Selector) -> Result<Vec<bool>, UnknownGroup> {
+pub fn select(mesh: &impl Tagged, selector: &Selector) -> Result<Vec<bool>, UnknownGroup> {
     let combine = |list: &[Selector], start: bool, join: fn(bool, bool) -> bool| {
-        list.iter().try_fold(vec![start; mesh.faces().len()], |chosen, s| {
+        list.iter().try_fold(vec![start; mesh.face_count()], |chosen, s| {
             Ok(chosen.into_iter().zip(select(mesh, s)?).map(|(a, b)| join(a, b)).collect())
         })
     };
@@ -30,15 +30,15 @@ pub fn select(mesh: &TetMesh, selector: &Selector) -> Result<Vec<bool>, UnknownG
         Selector::Not(inner) => Ok(select(mesh, inner)?.into_iter().map(|m| !m).collect()),
         shape => {
             let tolerance = tolerance(mesh, shape);
-            let near = |f: &Face| face_distance(mesh, shape, f) <= tolerance;
-            Ok(mesh.faces().iter().map(near).collect())
+            let near = |f| face_distance(mesh, shape, f) <= tolerance;
+            Ok((0..mesh.face_count()).map(near).collect())
         }
     }
 }
 
 /// The tolerance of a geometric selector on a mesh.
 #[must_use]
-pub fn tolerance(mesh: &TetMesh, selector: &Selector) -> f64 {
+pub fn tolerance(mesh: &impl Tagged, selector: &Selector) -> f64 {
     let given = match selector {
         Selector::Plane { tolerance, .. }
         | Selector::Box { tolerance, .. }
@@ -46,18 +46,24 @@ pub fn tolerance(mesh: &TetMesh, selector: &Selector) -> f64 {
         | Selector::Cylinder { tolerance, .. } => *tolerance,
         _ => None,
     };
-    given.unwrap_or_else(|| DEFAULT_TOLERANCE * mesh.diagonal())
+    given.unwrap_or_else(|| {
+        let (lo, hi) = mesh.limits();
+        DEFAULT_TOLERANCE * lo.distance(hi)
+    })
 }
 
 /// The smallest tolerance with which a geometric selector would match a face of the boundary.
 #[must_use]
-pub fn nearest(mesh: &TetMesh, selector: &Selector) -> f64 {
-    mesh.faces().iter().map(|f| face_distance(mesh, selector, f)).fold(f64::INFINITY, f64::min)
+pub fn nearest(mesh: &impl Tagged, selector: &Selector) -> f64 {
+    (0..mesh.face_count()).map(|f| face_distance(mesh, selector, f)).fold(f64::INFINITY, f64::min)
 }
 
 /// How far the farthest corner of a face lies outside the shape.
-fn face_distance(mesh: &TetMesh, selector: &Selector, face: &Face) -> f64 {
-    face.vertices.iter().map(|&v| outside(selector, mesh.points()[v as usize])).fold(f64::NEG_INFINITY, f64::max)
+fn face_distance(mesh: &impl Tagged, selector: &Selector, face: usize) -> f64 {
+    mesh.face_corners(face)
+        .iter()
+        .map(|&v| outside(selector, mesh.points()[v as usize]))
+        .fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// How far a point lies outside a shape; not positive inside. Infinite for selectors that are no shapes.
@@ -71,20 +77,19 @@ fn outside(selector: &Selector, x: DVec3) -> f64 {
     }
 }
 
-fn group(mesh: &TetMesh, name: &str) -> Result<Vec<bool>, UnknownGroup> {
-    let id = mesh.group(name).ok_or_else(|| UnknownGroup(name.to_owned()))?;
-    let member: Vec<bool> = mesh.patch_groups().iter().map(|groups| groups.contains(&id)).collect();
-    Ok(mesh.faces().iter().map(|f| member[f.patch.0 as usize]).collect())
+fn group(mesh: &impl Tagged, name: &str) -> Result<Vec<bool>, UnknownGroup> {
+    let id = mesh.group_named(name).ok_or_else(|| UnknownGroup(name.to_owned()))?;
+    Ok((0..mesh.face_count()).map(|f| mesh.face_groups(f).contains(&id)).collect())
 }
 
-fn by_normal(mesh: &TetMesh, direction: DVec3, angle: f64) -> Vec<bool> {
+fn by_normal(mesh: &impl Tagged, direction: DVec3, angle: f64) -> Vec<bool> {
     // The slack takes in faces exactly at the angle whatever their rounding.
     let within = |n: DVec3| n.cross(direction).length().atan2(n.dot(direction)).to_degrees() <= angle + 1e-9;
-    mesh.faces().iter().map(|f| within(face_normal(mesh.points(), f.vertices))).collect()
+    (0..mesh.face_count()).map(|f| within(mesh.face_area(f))).collect()
 }
 
 /// Total area of faces.
 #[must_use]
-pub fn area<'a>(mesh: &TetMesh, faces: impl IntoIterator<Item = &'a Face>) -> f64 {
-    faces.into_iter().map(|f| 0.5 * face_normal(mesh.points(), f.vertices).length()).sum()
+pub fn area(mesh: &impl Tagged, faces: impl IntoIterator<Item = usize>) -> f64 {
+    faces.into_iter().map(|f| mesh.face_area(f).length()).sum()
 }

@@ -7,6 +7,7 @@ use super::forecast;
 use super::look_ahead::{self, Seen};
 use super::quantities;
 use super::resolve::Resolved;
+use super::straight::{self, Straight};
 use super::tolerance;
 use crate::adapt;
 use crate::adapt::options::Marking;
@@ -33,12 +34,14 @@ pub(super) struct Step<'a> {
     pub analysed: &'a Analysed<'a>,
     /// The cells selected on this mesh for the next step.
     pub selected: &'a [bool],
+    /// Whether nothing moves, though there are loads.
+    pub idle: bool,
 }
 
 /// Relative error below which an estimate is rounding.
-const ROUNDING: f64 = 1e-12;
+pub(super) const ROUNDING: f64 = 1e-12;
 
-/// Error bar of a quantity, relative to its value, below which it is the solver's tolerance that it shows: as where a reaction
+/// Error bar of a quantity, relative to its scale, below which it is the solver's tolerance that it shows: as where a reaction
 /// follows from balance.
 const GOAL_ROUNDING: f64 = 1e-7;
 
@@ -56,18 +59,27 @@ pub(super) fn simulate(
     let start = Instant::now();
     let (mut mesh, mut history) = (problem.mesh.clone(), History::default());
     let (mut steps, mut warnings) = (Vec::new(), Vec::new());
-    let (mut refine_seconds, mut largest_error, mut guess) = (0.0, None, None);
+    let (mut refine_seconds, mut largest_error, mut guess, mut straight) = (0.0, None, None, None);
     let stop_reason = loop {
         let index = steps.len();
         let mut seconds = PhaseSeconds { refine: refine_seconds, ..PhaseSeconds::default() };
-        let analysed = analyse(index, &mesh, problem, plan, guess.as_deref(), &mut seconds)?;
+        let mut analysed = analyse(index, &mesh, problem, plan, guess.as_deref(), &mut seconds)?;
+        if index == 0 {
+            straight = straight::compare(&analysed, problem, plan, &mut seconds)?;
+        } else if let Some(straight) = straight {
+            analysed.add(straight);
+        }
         let unit = *largest_error.get_or_insert_with(|| analysed.largest_error());
 
         let reached = reason_to_stop(plan, index, problem, &analysed, start);
+        let vain =
+            index == 0 && straight.is_some_and(|s: Straight| s.exceeds(&plan.scenario.refine.stop, &analysed, problem));
+        let reached = reached.or(vain.then_some(StopReason::StraightEdges));
         let selected = timed(&mut seconds.mark, || select(&mesh, &analysed, plan, reached, steps.last()))?;
         let stop = reached.or_else(|| reason_not_to_refine(plan, &selected, &analysed, &mut warnings));
 
-        let step = Step { index, mesh: &mesh, analysed: &analysed, selected: &selected };
+        let idle = analysed.is_idle(problem);
+        let step = Step { index, mesh: &mesh, analysed: &analysed, selected: &selected, idle };
         timed(&mut seconds.write, || observe(&step))?;
         let record =
             StepRecord { peak_memory_bytes: (plan.memory.peak)() as u64, ..record(&step, problem, seconds, unit) };
@@ -141,16 +153,18 @@ fn reason_to_stop(
     start: Instant,
 ) -> Option<StopReason> {
     let stop = &plan.scenario.refine.stop;
-    let goal = analysed.goal_value(problem);
+    let goal = analysed.aim(problem);
     let cells = analysed.space.mesh().tets().len();
     if let Some(reason) = tolerance::reached(stop, analysed.relative_error(), goal) {
         Some(reason)
     } else if plan.strategy == Strategy::None || index >= plan.scenario.refine.steps {
         Some(StopReason::Steps)
     } else if analysed.relative_error() <= ROUNDING
-        || goal.is_some_and(|(value, bar)| bar <= GOAL_ROUNDING * value.abs())
+        || goal.is_some_and(|goal| goal.bar <= GOAL_ROUNDING * goal.scale.max(goal.value.abs()))
     {
         Some(StopReason::Exact)
+    } else if goal.is_some_and(|goal| tolerance::is_zero(stop, goal)) {
+        Some(StopReason::Zero)
     } else if stop.max_cells.is_some_and(|most| cells >= most) {
         Some(StopReason::MaxCells)
     } else if stop.seconds.is_some_and(|most| start.elapsed().as_secs_f64() >= most) {

@@ -6,11 +6,30 @@ use crate::output::report::{Report, StopReason};
 use crate::output::table::{percent, short};
 use crate::scenario::{Scenario, Stop, Strategy, Tolerance};
 
-/// The stop rule that is met if all errors asked for are reached; `goal` is the value and the error bar of the quantity aimed
-/// at.
-pub(super) fn reached(stop: &Stop, relative: f64, goal: Option<(f64, f64)>) -> Option<StopReason> {
+/// The quantity aimed at, as a step has it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Aim {
+    pub value: f64,
+    pub bar: f64,
+    /// What its value is at most, by Cauchy and Schwarz: the energy norm of the solution times that of the dual solution.
+    pub scale: f64,
+}
+
+/// Share of the error asked for, as a fraction of its scale, below which the bar of a quantity that is zero within it says that
+/// it is zero: it is a thousandth of its scale where 1 % is asked for.
+const ZERO: f64 = 0.1;
+
+/// Whether the quantity aimed at is zero as far as anyone may want to know, while a fraction of it is asked for: refinement would
+/// never end.
+pub(super) fn is_zero(stop: &Stop, goal: Aim) -> bool {
+    let Some(Tolerance::Relative(asked)) = stop.quantity_error else { return false };
+    goal.value.abs() <= goal.bar && goal.bar <= ZERO * asked * goal.scale
+}
+
+/// The stop rule that is met if all errors asked for are reached; `goal` is the quantity aimed at.
+pub(super) fn reached(stop: &Stop, relative: f64, goal: Option<Aim>) -> Option<StopReason> {
     let energy = stop.relative_error.map(|asked| relative <= asked);
-    let quantity = stop.quantity_error.zip(goal).map(|(asked, (value, bar))| bar <= asked.distance(value));
+    let quantity = stop.quantity_error.zip(goal).map(|(asked, goal)| goal.bar <= asked.distance(goal.value));
     match (energy, quantity) {
         (Some(true), None) => Some(StopReason::RelativeError),
         (None | Some(true), Some(true)) => Some(StopReason::Quantity),
@@ -55,6 +74,15 @@ fn missed_quantity(scenario: &Scenario, report: &Report) -> Option<String> {
         return Some(format!("the error of {name} cannot be estimated"));
     }
     let asked = match asked {
+        Tolerance::Relative(fraction) if found.value.abs() <= bar => {
+            return Some(format!(
+                "{name} is {} +- {}: zero within its error bar, of which {} % cannot be reached; if it is zero, ask for \
+                 refine.stop.quantity_error = {{ absolute = ... }}",
+                short(found.value, 3),
+                short(bar, 3),
+                percent(fraction)
+            ));
+        }
         Tolerance::Relative(fraction) => format!("{} % was", percent(fraction)),
         Tolerance::Absolute(distance) => format!("{} was", short(distance, 3)),
     };
@@ -71,6 +99,10 @@ fn help(strategy: Strategy, reason: StopReason) -> &'static str {
         StopReason::MaxMemory => "allow more: refine.stop.max_memory",
         StopReason::Seconds => "allow more: refine.stop.seconds",
         StopReason::Exact => "nothing is left to refine for: ask for more than rounding, or lower solver.tolerance",
+        StopReason::StraightEdges => {
+            "start from a finer mesh with curved edges, with refine.strategy = \"none\"; or ask for less"
+        }
+        StopReason::Zero => "ask for refine.stop.quantity_error = { absolute = ... }, in the units of the quantity",
         StopReason::RelativeError | StopReason::Quantity | StopReason::Interrupted => "run it again",
     }
 }

@@ -5,12 +5,12 @@ use super::leftovers::{self, is_name};
 use super::passes::{self, Contestant};
 use super::resolve::Resolved;
 use super::results::write_text;
-use super::run::{plot_curves, prepare, warnings};
+use super::run::{failure, plot_curves, prepare, warnings};
 use super::{RunOptions, print};
 use crate::error::Error;
 use crate::fem::options::Element;
 use crate::output::atomic::ensure_writable_dir;
-use crate::output::report::write_json;
+use crate::output::report::{Report, write_json};
 use crate::output::table;
 use crate::output::variants::Variants;
 use crate::scenario::{MAX_STEPS, Scenario, Stop};
@@ -83,13 +83,11 @@ struct Entry<'a> {
 /// reach. Short runs are repeated as [`super::compare::compare`] does.
 ///
 /// # Errors
-/// [`Error`] with its exit code, as [`super::run::run`]; [`Error::Variants`] for two of one name.
+/// [`Error`] with its exit code, as [`super::run::run`]; [`Error::Variants`] for two of one name, and [`Error::VariantsFail`]
+/// where some are not as expected or miss the error asked for.
 pub fn compare(scenario: &Scenario, variants: &[Variant], options: &RunOptions, repeat: usize) -> Result<(), Error> {
-    let mut names: Vec<&str> = variants.iter().map(|v| v.name.as_str()).collect();
-    names.sort_unstable();
-    if let Some(twice) = names.windows(2).find(|two| two[0] == two[1]) {
-        return Err(Error::Variants { name: twice[0].to_owned() });
-    }
+    let names: Vec<&str> = variants.iter().map(|v| v.name.as_str()).collect();
+    check_names(&names)?;
     let entries = variants.iter().map(|v| entry(scenario, v, options)).collect::<Result<Vec<Entry<'_>>, Error>>()?;
     let folder = options.folder(scenario);
     ensure_writable_dir(&folder)?;
@@ -117,13 +115,39 @@ pub fn compare(scenario: &Scenario, variants: &[Variant], options: &RunOptions, 
         }
         print(&format!("{text}\n{doubts}results in {}\n", folder.display()))?;
     }
-    Ok(())
+    failures(&entries, &reports).map_or(Ok(()), Err)
+}
+
+/// Refuses names that are one folder where the case of letters does not count, as on many systems.
+fn check_names(names: &[&str]) -> Result<(), Error> {
+    let twin = |i: usize| names[..i].iter().find(|other| other.eq_ignore_ascii_case(names[i]));
+    let clash = (0..names.len()).find_map(|i| Some((twin(i)?, names[i])));
+    clash.map_or(Ok(()), |(first, second)| {
+        Err(Error::Variants { first: (*first).to_owned(), second: second.to_owned() })
+    })
+}
+
+/// The error to end with if variants are not as they expect or miss the error they ask for; the code of an expectation goes
+/// before that of a tolerance.
+fn failures(entries: &[Entry<'_>], reports: &[Report]) -> Option<Error> {
+    let failed: Vec<(&str, Error)> = entries
+        .iter()
+        .zip(reports)
+        .filter_map(|(e, report)| {
+            Some((e.variant.name.as_str(), failure(&e.scenario, e.scenario.refine.strategy, report)?))
+        })
+        .collect();
+    let code = failed.iter().map(|(_, error)| error.exit_code()).min()?;
+    let sentences = failed.iter().map(|(name, error)| format!("{name}: {error}")).collect::<Vec<String>>().join("\n");
+    Some(Error::VariantsFail { sentences, code })
 }
 
 /// Reads the scenario anew with the overrides of a variant; what it says is said once, by the first.
 fn entry<'a>(scenario: &Scenario, variant: &'a Variant, options: &RunOptions) -> Result<Entry<'a>, Error> {
-    let set = [&scenario.overrides[..], &variant.set].concat();
-    let scenario = Scenario::from_file(&scenario.path, &set)?;
+    let scenario = scenario.variant(&variant.name, &variant.set)?;
+    if scenario.hexes.is_some() {
+        return Err(Error::NothingAdaptive);
+    }
     let problem = prepare(&scenario, &RunOptions { quiet: true, ..options.clone() })?;
     Ok(Entry { variant, scenario, problem })
 }
@@ -138,6 +162,14 @@ impl Entry<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_that_differ_in_case_alone_are_one_folder() {
+        assert!(check_names(&["fine", "coarse", "fin"]).is_ok());
+        for clash in [["Fine", "x", "fINE"], ["a", "b", "b"]] {
+            assert!(matches!(check_names(&clash), Err(Error::Variants { .. })), "{clash:?}");
+        }
+    }
 
     #[test]
     fn variants_are_read_and_names_that_are_no_folders_refused() {

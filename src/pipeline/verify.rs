@@ -4,9 +4,9 @@ use super::quantities::expectations;
 use super::results::{relative, write_text};
 use super::run::{execute, failure, prepare};
 use super::simulate::{Plan, simulate};
-use super::{MemoryProbe, RunOptions, print};
+use super::{MemoryProbe, RunOptions, print, wrapped};
 use crate::error::Error;
-use crate::output::atomic::ensure_writable_dir;
+use crate::output::atomic::{ensure_parent, ensure_writable_dir};
 use crate::output::book::{Book, Entry, Problem, SCHEMA, Solved};
 use crate::output::progress::Progress;
 use crate::output::report::{ExpectationRecord, PROGRAM, Report, write_json};
@@ -48,6 +48,8 @@ pub fn verify(options: &Verification) -> Result<(), Error> {
     if let Some(folder) = &options.output {
         ensure_writable_dir(folder)?;
     }
+    // Before minutes are spent.
+    options.markdown.iter().chain(&options.json).try_for_each(|path| ensure_parent(path))?;
     let progress = Progress::new(options.quiet).bar("verify", files.len());
     let mut problems: Vec<Problem> = Vec::new();
     for path in &files {
@@ -60,7 +62,15 @@ pub fn verify(options: &Verification) -> Result<(), Error> {
     let book = Book { schema: SCHEMA, program: PROGRAM.to_owned(), problems };
     write(&book, options)?;
     let failed = book.failures();
-    if failed.is_empty() { Ok(()) } else { Err(Error::Unverified { failed: failed.join(", ") }) }
+    if failed.is_empty() {
+        return Ok(());
+    }
+    let faults: String = if options.quiet {
+        book.problems.iter().flat_map(Problem::failures).map(|f| format!("\n{f}")).collect()
+    } else {
+        String::new()
+    };
+    Err(Error::Unverified { failed: failed.join(", "), faults })
 }
 
 /// Prints the table and writes the page and the figures.
@@ -68,7 +78,8 @@ fn write(book: &Book, options: &Verification) -> Result<(), Error> {
     if let Some(path) = &options.markdown {
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let link = relative(&options.folder, folder).to_string_lossy().replace('\\', "/");
-        write_text(path, &book.page(&link))?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        write_text(path, &book.page(&link, &name))?;
     }
     if let Some(path) = &options.json {
         write_json(path, book)?;
@@ -78,24 +89,29 @@ fn write(book: &Book, options: &Verification) -> Result<(), Error> {
     }
     let faults = book.problems.iter().filter_map(|p| Some(format!("\n{}: {}\n", p.file, p.fault.as_ref()?)));
     let (count, passed) = (book.problems.len(), book.problems.iter().filter(|p| p.passes()).count());
-    let text = table::book(book) + &faults.collect::<String>();
+    let notes = book.problems.iter().filter_map(|p| Some(wrapped(&format!("note: {}", p.note.as_ref()?))));
+    let text = table::book(book) + &notes.chain(faults).collect::<String>();
     print(&format!("{text}\n{passed} of {count} scenarios pass\n"))
 }
 
-/// The scenarios of a folder, by name.
+/// The scenarios of a folder, by name; those of one name by the number behind it.
 fn scenarios(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     let none = |source| Error::NoScenarios { folder: folder.to_owned(), source };
     let entries = std::fs::read_dir(folder).and_then(Iterator::collect::<Result<Vec<_>, _>>);
     let paths = entries.map_err(|e| none(Some(e)))?.into_iter().map(|entry| entry.path());
     let mut files: Vec<PathBuf> = paths.filter(|p| p.extension().is_some_and(|e| e == "toml")).collect();
-    files.sort();
+    let key = |path: &PathBuf| {
+        let (name, number) = numbered(&path.file_stem().unwrap_or_default().to_string_lossy());
+        (name, number, path.clone())
+    };
+    files.sort_by_cached_key(key);
     if files.is_empty() { Err(none(None)) } else { Ok(files) }
 }
 
 /// One scenario; `before` is the problem before it, which may be the same on a coarser mesh.
 fn problem(path: &Path, options: &Verification, before: Option<&Problem>) -> Problem {
     let name = |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
-    let sequence = sequence(&name(path.file_stem()));
+    let (sequence, _) = numbered(&name(path.file_stem()));
     let mut problem = Problem {
         file: name(path.file_name()),
         title: sequence.clone(),
@@ -103,6 +119,7 @@ fn problem(path: &Path, options: &Verification, before: Option<&Problem>) -> Pro
         description: String::new(),
         solved: None,
         entries: Vec::new(),
+        note: None,
         fault: None,
     };
     let before = before.filter(|b| b.sequence == problem.sequence);
@@ -112,10 +129,13 @@ fn problem(path: &Path, options: &Verification, before: Option<&Problem>) -> Pro
     problem
 }
 
-/// The name of a scenario without the number at its end.
-fn sequence(stem: &str) -> String {
-    let counted = stem.rsplit_once('-').filter(|(_, n)| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()));
-    counted.map_or(stem, |(name, _)| name).to_owned()
+/// The name of a scenario without the number at its end, and that number.
+fn numbered(stem: &str) -> (String, Option<u64>) {
+    let counted = stem.rsplit_once('-').and_then(|(name, n)| {
+        let digits = !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit());
+        Some((name.to_owned(), Some(n.parse().ok().filter(|_| digits)?)))
+    });
+    counted.unwrap_or((stem.to_owned(), None))
 }
 
 /// Runs a scenario and enters what came out.
@@ -127,6 +147,13 @@ fn solve(path: &Path, options: &Verification, before: Option<&Problem>, problem:
         return Err(Error::NothingExpected);
     }
     let report = simulated(&scenario, options)?;
+    let unknowns = report.steps.last().map_or(0, |last| last.free_dofs);
+    let coarser = |b: &&Problem| b.solved.as_ref().is_none_or(|solved| solved.free_dofs < unknowns);
+    problem.note = before.filter(|b| !coarser(b)).map(|b| {
+        let (own, other) = (scenario.name(), b.name());
+        format!("{own} has no more unknowns than {other}, so it is not taken for the same problem on a finer mesh")
+    });
+    let before = before.filter(coarser);
     problem.entries = entries(&scenario, &report, before);
     problem.solved = report.steps.last().map(|last| Solved {
         element: scenario.element.name(),
@@ -201,8 +228,9 @@ mod tests {
 
     #[test]
     fn numbers_at_the_end_count_the_meshes_of_one_problem() {
+        assert!(numbered("kirsch-10").1 > numbered("kirsch-9").1);
         for (stem, name) in [("kirsch-2", "kirsch"), ("lame-sphere", "lame-sphere"), ("le10", "le10"), ("a-", "a-")] {
-            assert_eq!(sequence(stem), name);
+            assert_eq!(numbered(stem).0, name);
         }
     }
 

@@ -25,11 +25,11 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
     let names: Vec<&str> = supports.iter().map(|s| s.name.as_str()).collect();
     let known = raw.exact.is_some();
     let quantities = wanted::quantities(raw.quantities.unwrap_or_default(), &names, &place)?;
-    let element = raw.analysis.and_then(|t| t.value.element).unwrap_or_default();
+    let (element, hexes) = elements(raw.analysis.map(|t| t.value))?;
     warnings.extend(locking(&materials, element));
     let midside = midside(raw.mesh.as_ref(), element)?;
     let has_goal = raw.adapt.as_ref().is_some_and(|t| t.value.goal.is_some());
-    let refine = refine(raw.refine.map(|t| t.value), has_goal, &mut warnings)?;
+    let refine = refine(raw.refine.map(|t| t.value), hexes, has_goal, &mut warnings)?;
     let asked = refine.stop.relative_error.is_some();
     let adapt = adapt(raw.adapt.map(|t| t.value).unwrap_or_default(), asked, &quantities, &supports)?;
     Ok(Scenario {
@@ -51,6 +51,7 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
         refine,
         midside,
         element,
+        hexes,
         adapt,
         solver: solver(raw.solver.map(|t| t.value).unwrap_or_default())?,
         output: output(&raw.output.map(|t| t.value).unwrap_or_default()),
@@ -58,6 +59,28 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
         units: raw.units.map(|t| t.value).unwrap_or_default(),
         warnings,
     })
+}
+
+/// The element of tetrahedra, and that of hexahedra if it is one.
+fn elements(raw: Option<RawAnalysis>) -> Checked<(Element, Option<Hexes>)> {
+    let Some(raw) = raw else { return Ok((Element::default(), None)) };
+    let kind = raw.element.as_ref().map_or(Ok(Element::default()), |e| e.get_ref().kind());
+    let smooth = kind.is_err_and(HexElement::is_smooth);
+    let idle = |span: Range<usize>, of: &str, element: &str| {
+        let help = format!("leave it out, or set analysis.element = \"{element}\"");
+        Err(Fault::new(span, format!("is for {of}"), "not with this element").help(help))
+    };
+    match (&raw.masks, &raw.points, &raw.splits) {
+        (Some(masks), ..) if !smooth => return idle(masks.span(), "Catmull-Clark solids", "catmull-clark"),
+        (_, Some(points), _) if kind.is_ok() => return idle(points.span(), "hexahedra", "hex27"),
+        (.., Some(splits)) if !smooth => return idle(splits.span(), "Catmull-Clark solids", "catmull-clark"),
+        _ => {}
+    }
+    let points = raw.points.map(|n| integer(&n, 2..=10)).transpose()?;
+    let splits = raw.splits.map(|n| integer(&n, 0..=3)).transpose()?.unwrap_or(0);
+    let options =
+        HexOptions { masks: raw.masks.map(|m| *m.get_ref()).unwrap_or_default(), points, splits: splits as u32 };
+    Ok((kind.unwrap_or_default(), kind.err().map(|element| Hexes { element, options })))
 }
 
 /// What becomes of mid-side nodes; curved edges need elements with nodes on them.
@@ -185,17 +208,29 @@ fn material(
     })
 }
 
-fn refine(raw: Option<RawRefine>, has_goal: bool, warnings: &mut Vec<String>) -> Checked<Refine> {
+fn refine(raw: Option<RawRefine>, hexes: Option<Hexes>, has_goal: bool, warnings: &mut Vec<String>) -> Checked<Refine> {
     let absent = raw.is_none();
     let raw = raw.unwrap_or_default();
     let stop = stop(&raw.stop.map(|t| t.value).unwrap_or_default(), has_goal)?;
     let scheme = raw.scheme.as_ref().map_or(Scheme::Sqrt3, |s| *s.get_ref());
     let default = match scheme {
         _ if absent => Strategy::None,
+        _ if hexes.is_some() => Strategy::Global,
         Scheme::Red => Strategy::Global,
         Scheme::Sqrt3 | Scheme::LongestEdge => Strategy::Adaptive,
     };
     let strategy = raw.strategy.as_ref().map_or(default, |s| *s.get_ref());
+    if let (Some(hexes), Strategy::Adaptive, Some(written)) = (hexes, strategy, &raw.strategy) {
+        let name = hexes.element.name();
+        let fault = Fault::new(written.span(), "is \"adaptive\", but hexahedra are refined globally", "not adaptive");
+        return Err(fault.help(format!(
+            "leave it out or set \"global\"; analysis.element = \"{name}\" has no adaptive refinement"
+        )));
+    }
+    if let (Some(_), Some(written)) = (hexes, &raw.scheme) {
+        let fault = Fault::new(written.span(), "is for tetrahedra", "no scheme here");
+        return Err(fault.help("leave it out: hexahedra are split in eight, Catmull-Clark solids by their masks"));
+    }
     if let (Scheme::Red, Strategy::Adaptive, Some(written)) = (scheme, strategy, &raw.scheme) {
         return Err(Fault::new(written.span(), "is \"red\", which refines all cells or none", "not adaptive")
             .help("set refine.strategy = \"global\", or refine.scheme = \"sqrt3\" or \"longest-edge\""));

@@ -17,8 +17,25 @@ pub(super) struct Sources {
     overrides: Vec<Override>,
 }
 
+/// A key and its value from the command line.
+#[derive(Debug, Clone)]
+pub(super) struct Setting {
+    /// `key.path=value`.
+    pub(super) text: String,
+    /// The option that it came by, as messages name it.
+    option: String,
+}
+
+impl Setting {
+    /// Those that came by an option.
+    pub(super) fn all(option: &str, texts: &[String]) -> Vec<Self> {
+        texts.iter().map(|text| Self { text: text.clone(), option: option.to_owned() }).collect()
+    }
+}
+
 /// A line `key = value`, padded to stand behind the text.
 struct Override {
+    option: String,
     /// Offset of its first byte.
     start: usize,
     /// Number of names in the key.
@@ -34,17 +51,18 @@ impl Override {
 
 impl Sources {
     /// Takes the text of the file `name` and overrides `key.path=value`; a value that is not TOML stands for a string.
-    pub(super) fn new(name: &str, text: &str, overrides: &[String]) -> Result<Self, Box<Invalid>> {
+    pub(super) fn new(name: &str, text: &str, overrides: &[Setting]) -> Result<Self, Box<Invalid>> {
         let mut sources = Self { name: name.to_owned(), text: text.to_owned(), overrides: Vec::new() };
-        for argument in overrides {
+        for Setting { text: argument, option } in overrides {
             let start = sources.overrides.last().map_or(text.len(), |o| o.padded.len()) + 1;
             let (line, depth) = normalise(argument).map_err(|(problem, help)| {
-                let (place, span) = (format!("--set {argument}"), (0, argument.len()).into());
-                let source_code = NamedSource::new("--set", argument.clone());
+                let (place, span) = (format!("{option} {argument}"), (0, argument.len()).into());
+                let source_code = NamedSource::new(option, argument.clone());
                 let (message, label) = (problem.to_owned(), "here".to_owned());
                 Box::new(Invalid { place, key: String::new(), message, source_code, span, label, help })
             })?;
-            sources.overrides.push(Override { start, depth, padded: " ".repeat(start) + &line });
+            let (option, padded) = (option.clone(), " ".repeat(start) + &line);
+            sources.overrides.push(Override { option, start, depth, padded });
         }
         Ok(sources)
     }
@@ -68,7 +86,7 @@ impl Sources {
     /// `file:line:column` of a span, or the override.
     fn place(&self, span: &Range<usize>) -> String {
         if let Some(o) = self.overriding(span) {
-            return format!("--set {}", o.line());
+            return format!("{} {}", o.option, o.line());
         }
         let before = self.text.get(..span.start).unwrap_or(&self.text);
         let line = before.matches('\n').count() + 1;
@@ -81,7 +99,7 @@ impl Sources {
         let place = self.place(&span);
         let message = if key.is_empty() { problem } else { format!("`{key}` {problem}") };
         let (source_code, start) = match self.overriding(&span) {
-            Some(o) => (NamedSource::new("--set", o.line().to_owned()), span.start - o.start),
+            Some(o) => (NamedSource::new(&o.option, o.line().to_owned()), span.start - o.start),
             None => (NamedSource::new(&self.name, self.text.clone()), span.start),
         };
         let span = (start, span.len()).into();
@@ -91,7 +109,7 @@ impl Sources {
 
 /// The override as a line of TOML, and the number of names in its key; otherwise what is wrong with it.
 fn normalise(argument: &str) -> Result<(String, usize), (&'static str, Option<String>)> {
-    let help = || Some("write --set key.path=value, for example --set refine.steps=3".to_owned());
+    let help = || Some("write key.path=value, for example refine.steps=3".to_owned());
     let (key, value) = argument.split_once('=').ok_or(("an override needs `=`", help()))?;
     let name = format!("{key} = 0");
     let table = DeTable::parse(&name).map_err(|_| ("what stands before `=` is not a key", help()))?;

@@ -24,9 +24,10 @@ pub use shapes::Shape;
 pub use wanted::{Bound, Cells, Exact, Expectation, Extent, Figure, Probe, Quantity, QuantityKind, Subject, Tolerance};
 
 use crate::adapt::options::{Estimator, Marking};
-use crate::fem::options::{Element, SolverOptions};
+use crate::fem::options::{Element, HexElement, HexOptions, SolverOptions};
 use crate::output::options::{Compression, FieldName, Published, Units};
 use crate::subdiv::options::Options;
+use document::Setting;
 use serde::Deserialize as _;
 use std::path::{Path, PathBuf};
 
@@ -67,8 +68,10 @@ pub struct Scenario {
     pub refine: Refine,
     /// `mesh.midside`.
     pub midside: Midside,
-    /// `analysis.element`.
+    /// `analysis.element`, if it is one of tetrahedra.
     pub element: Element,
+    /// `analysis.element`, if it is one of hexahedra.
+    pub hexes: Option<Hexes>,
     /// `[adapt]`.
     pub adapt: Adapt,
     /// `[solver]`.
@@ -92,6 +95,15 @@ pub enum Midside {
     Straight,
     /// They are kept: edges are curved until the mesh is refined.
     Curved,
+}
+
+/// The element of a hexahedral mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Hexes {
+    /// The element.
+    pub element: HexElement,
+    /// How it is made and integrated.
+    pub options: HexOptions,
 }
 
 /// Where the mesh comes from.
@@ -211,14 +223,16 @@ impl Scenario {
     /// # Errors
     /// [`ScenarioError::Unreadable`], or the first fault with its place, key and remedy.
     pub fn from_file(path: &Path, overrides: &[String]) -> Result<Self, ScenarioError> {
-        let text = std::fs::read_to_string(path).map_err(|source| {
-            let help = match source.kind() {
-                std::io::ErrorKind::InvalidData => "a scenario is a TOML file in UTF-8".to_owned(),
-                _ => "give the path of a scenario, such as scenarios/bracket.toml".to_owned(),
-            };
-            ScenarioError::Unreadable { path: path.to_owned(), source, help }
-        })?;
-        Self::from_text(&text, path, overrides)
+        Self::from_text(&read(path)?, path, overrides)
+    }
+
+    /// Reads the file anew, with the overrides of a variant behind those that it had; faults in them name the variant.
+    ///
+    /// # Errors
+    /// As [`Scenario::from_file`].
+    pub fn variant(&self, name: &str, overrides: &[String]) -> Result<Self, ScenarioError> {
+        let own = Setting::all(&format!("--variant {name}:"), overrides);
+        Self::from_settings(&read(&self.path)?, &self.path, &[Setting::all(SET, &self.overrides), own].concat())
     }
 
     /// As [`Scenario::from_file`] with the text at hand; `path` is the file it counts as.
@@ -226,11 +240,15 @@ impl Scenario {
     /// # Errors
     /// As [`Scenario::from_file`].
     pub fn from_text(text: &str, path: &Path, overrides: &[String]) -> Result<Self, ScenarioError> {
+        Self::from_settings(text, path, &Setting::all(SET, overrides))
+    }
+
+    fn from_settings(text: &str, path: &Path, settings: &[Setting]) -> Result<Self, ScenarioError> {
         if let Some(format) = mesh_format(text) {
             return Err(ScenarioError::Mesh { path: path.to_owned(), format });
         }
         let sources =
-            document::Sources::new(&path.display().to_string(), text, overrides).map_err(ScenarioError::Invalid)?;
+            document::Sources::new(&path.display().to_string(), text, settings).map_err(ScenarioError::Invalid)?;
         let document = sources.parse().map_err(ScenarioError::Invalid)?;
         let invalid = |fault| ScenarioError::Invalid(document.explain(fault));
         let deserializer = || toml::Deserializer::from(document.root().clone());
@@ -241,7 +259,7 @@ impl Scenario {
         scenario.directory = path.parent().map(Path::to_owned).unwrap_or_default();
         scenario.document =
             toml::Table::deserialize(deserializer()).map_err(|e| invalid(translate::fault(&e, &document)))?;
-        scenario.overrides = overrides.to_vec();
+        scenario.overrides = settings.iter().map(|s| s.text.clone()).collect();
         if scenario.title.is_empty() {
             scenario.title = scenario.name();
         }
@@ -272,6 +290,20 @@ impl Scenario {
     pub fn name(&self) -> String {
         self.path.file_stem().map_or_else(|| "scenario".to_owned(), |s| s.to_string_lossy().into_owned())
     }
+}
+
+/// The option that overrides come by.
+const SET: &str = "--set";
+
+/// The text of a scenario's file.
+fn read(path: &Path) -> Result<String, ScenarioError> {
+    std::fs::read_to_string(path).map_err(|source| {
+        let help = match source.kind() {
+            std::io::ErrorKind::InvalidData => "a scenario is a TOML file in UTF-8".to_owned(),
+            _ => "give the path of a scenario, such as scenarios/bracket.toml".to_owned(),
+        };
+        ScenarioError::Unreadable { path: path.to_owned(), source, help }
+    })
 }
 
 /// The JSON schema of scenarios: keys, types and words, for editors. Ranges, and what goes together, only reading tells.

@@ -5,9 +5,9 @@ use super::spanned::Spanned;
 use super::wanted::{RawBound, RawExpectation, RawProbe};
 use super::{Midside, fields, shapes};
 use crate::adapt::options::Estimator;
-use crate::fem::options::{Element, ExactSolution, Field, Method, Total};
+use crate::fem::options::{Element, ExactSolution, Field, HexElement, Method, Total};
 use crate::output::options::{Compression, FieldName, Units};
-use crate::subdiv::options::{Boundary, Mode, Objective, QualityMeasure, Scheme};
+use crate::subdiv::options::{Boundary, CatmullClark, Mode, Objective, QualityMeasure, Scheme};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, de};
 use std::{borrow::Cow, collections::BTreeMap, fmt, marker::PhantomData, ops::Range};
@@ -267,7 +267,39 @@ pub(super) struct RawNormal {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawAnalysis {
-    pub element: Option<Element>,
+    pub element: Option<Spanned<AnyElement>>,
+    pub masks: Option<Spanned<CatmullClark>>,
+    pub points: Option<Integer>,
+    pub splits: Option<Integer>,
+}
+
+/// The finite element, of tetrahedra or of hexahedra.
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum AnyElement {
+    Tet4,
+    Tet10,
+    Hex8,
+    Hex20,
+    Hex27,
+    CatmullClark,
+    #[serde(rename = "catmull-clark+")]
+    CatmullClarkPlus,
+}
+
+impl AnyElement {
+    /// That of tetrahedra, or that of hexahedra.
+    pub fn kind(self) -> Result<Element, HexElement> {
+        match self {
+            Self::Tet4 => Ok(Element::Tet4),
+            Self::Tet10 => Ok(Element::Tet10),
+            Self::Hex8 => Err(HexElement::Hex8),
+            Self::Hex20 => Err(HexElement::Hex20),
+            Self::Hex27 => Err(HexElement::Hex27),
+            Self::CatmullClark => Err(HexElement::CatmullClark),
+            Self::CatmullClarkPlus => Err(HexElement::CatmullClarkPlus),
+        }
+    }
 }
 
 #[derive(Debug, Default, Deserialize, JsonSchema)]

@@ -145,7 +145,7 @@ pub fn refine(mesh: &TetMesh, history: &History, selected: &[bool], options: &Op
     if options.frames {
         refined.frames.push(Frame { stage: "splits", mesh: refined.mesh.clone() });
     }
-    if let Some(run) = options.optimise.quality_run() {
+    if let Some(run) = options.optimise.quality_run(|| typical_angle(mesh)) {
         let mut solid = Solid::new(&refined.mesh);
         solid.watch(options.frames);
         improve::optimise_quality(&mut solid, 0, &run);
@@ -156,6 +156,13 @@ pub fn refine(mesh: &TetMesh, history: &History, selected: &[bool], options: &Op
         refined.mesh = solid.finish()?;
     }
     Ok(refined)
+}
+
+/// The median of the smallest dihedral angles of the cells, in degrees.
+fn typical_angle(mesh: &TetMesh) -> f64 {
+    let mut angles = quality::min_dihedrals(mesh);
+    let middle = angles.len() / 2;
+    *angles.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// A mesh optimised for analysis.

@@ -110,14 +110,16 @@ impl Optimise {
     /// The run of all operations for the dihedral angles that a step ends with, if it has one ([`Mode::Best`]).
     ///
     /// Before an error-driven stage it is a short one: that stage keeps the worst angle but does not raise it, and
-    /// without repair angles sink and valences grow from step to step.
-    #[must_use]
-    pub fn quality_run(&self) -> Option<Self> {
+    /// without repair angles sink and valences grow from step to step. It aims no higher than the `typical` smallest angle,
+    /// in degrees, of the cells before the step: where cells are flat because the part is thin, larger angles cost vertices that
+    /// stand across its thickness, and with them the accuracy.
+    pub(crate) fn quality_run(&self, typical: impl FnOnce() -> f64) -> Option<Self> {
         match (self.mode, self.objective) {
             (Mode::Paper, _) => None,
             (Mode::Best, Objective::Quality) => Some(*self),
             (Mode::Best, Objective::Error) => {
-                Some(Self { target_angle: self.target_angle.min(REPAIR_ANGLE), passes: self.passes.min(2), ..*self })
+                let target_angle = self.target_angle.min(REPAIR_ANGLE).min(typical());
+                Some(Self { target_angle, passes: self.passes.min(2), ..*self })
             }
         }
     }

@@ -377,6 +377,20 @@ impl Solid {
         }
     }
 
+    /// Makes the creases at the surface vertex `v` end in `b`; that between the two goes.
+    pub(super) fn pull_creases(&mut self, v: u32, b: u32) {
+        let mut around: SmallVec<[u32; 16]> = self.faces_at(v).flat_map(|f| f.vertices).filter(|&w| w != v).collect();
+        around.sort_unstable();
+        around.dedup();
+        for w in around {
+            if let Some(feature) = self.creases.remove(&topology::sorted2([v, w]))
+                && w != b
+            {
+                self.creases.insert(topology::sorted2([b, w]), feature);
+            }
+        }
+    }
+
     /// Minimum sines of the cells at `v`, in the order of [`Solid::cells_at`], if it were at `p`.
     pub(super) fn sines_with(&self, v: u32, p: DVec3) -> SmallVec<[f64; 32]> {
         let corner = |w| if w == v { p } else { self.point(w) };

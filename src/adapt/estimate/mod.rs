@@ -8,12 +8,14 @@
 //! Where regions meet, stress is recovered for each region alone: across materials it may jump.
 
 mod averaging;
+mod locking;
 mod patches;
 mod quadratic;
 mod residual;
 mod spr;
 #[cfg(test)]
 mod tests;
+mod unresolved;
 mod unseen;
 
 use super::options::Estimator;
@@ -29,6 +31,12 @@ pub struct CellErrors {
     pub squared: Vec<f64>,
     /// The part of each of them that stands for data which the elements do not see; empty if there is none.
     pub unseen: Vec<f64>,
+    /// By how much the energy norm of the error in the cells of each region was raised above what recovery finds, as four-node
+    /// cells lock there: one where they do not.
+    pub raised: Vec<f64>,
+    /// Four-node cells, ascending, that do not show the solution at all, so that what recovery or the residual finds there says
+    /// nothing of the error.
+    pub unresolved: Vec<u32>,
     /// Recovered stress at each node; where regions meet, the mean of theirs weighted by their volumes around it. For
     /// output. Zero at a node without cells.
     pub nodal_stress: Vec<SymTensor>,
@@ -90,9 +98,14 @@ impl CellErrors {
 #[must_use]
 pub fn estimate_solved(data: &Data<'_>, displacement: &[DVec3], stress: &Stress, estimator: Estimator) -> CellErrors {
     let mut errors = estimate(data.space, &data.model.materials, stress, estimator);
+    errors.unresolved = unresolved::cells(data, stress, &errors.squared);
     if estimator == Estimator::Residual {
         errors.squared = residual::squared(data, displacement, stress);
         errors.unestimated.clear();
+    } else {
+        errors.raised = locking::factors(data, displacement, stress, &errors.squared);
+        let regions = data.space.mesh().regions().iter();
+        errors.squared.iter_mut().zip(regions).for_each(|(e, r)| *e *= errors.raised[r.0 as usize].powi(2));
     }
     errors.unseen = unseen::squared(data, estimator);
     errors.squared.iter_mut().zip(&errors.unseen).for_each(|(sum, unseen)| *sum += unseen);
@@ -117,7 +130,8 @@ pub fn estimate(space: &Space<'_>, materials: &[Material], stress: &Stress, esti
     };
     let unestimated = patches.isolated();
     let recovered = Recovered { patches: patches.into_cells(), at_vertices, between };
-    CellErrors { squared, unseen: Vec::new(), nodal_stress, recovered, unestimated }
+    let raised = vec![1.0; materials.len()];
+    CellErrors { squared, unseen: Vec::new(), raised, unresolved: Vec::new(), nodal_stress, recovered, unestimated }
 }
 
 /// What an estimate gives: squared errors of the cells, stress at the nodes, at the vertices of the patches, and between the

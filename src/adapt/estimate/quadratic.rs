@@ -19,6 +19,11 @@ const MIN_CELLS: usize = 10;
 /// Smallest ratio of the squared pivots of the normal matrix at which a fit is trusted.
 const MIN_RATIO: f64 = 1e-6;
 
+/// Largest variance of the value that a fit gives at its vertex, in those of the samples. It is below 10 in sound patches, and
+/// beyond all bounds where a quadric passes through all samples: as where all cells of the vertex share an edge, and all their
+/// other corners and the other end of that edge lie in a plane.
+const MAX_VARIANCE: f64 = 100.0;
+
 /// The estimate for a stress that is linear in each cell.
 pub(super) fn estimate<'a>(
     field: &Field<'_>,
@@ -194,6 +199,10 @@ impl Polynomial {
         let factor = normal.cholesky()?;
         let pivots = factor.l_dirty().diagonal();
         if pivots.min().powi(2) < MIN_RATIO * pivots.max().powi(2) {
+            return None;
+        }
+        let at_vertex = SVector::<f64, N>::from_fn(|i, _| if i == 0 { 1.0 } else { 0.0 });
+        if factor.solve(&at_vertex)[0] > MAX_VARIANCE {
             return None;
         }
         let solution = factor.solve(&right);

@@ -1,9 +1,10 @@
 //! Errors of solutions on hexahedra: estimated by the recovered stress, and true ones where the solution is known.
 
-use super::super::{Exact, FemError, Model, SymTensor, TrueError, System, traction};
 use super::super::loads::{integrate_cells, integrate_faces};
+use super::super::{Exact, FemError, Model, SymTensor, System, TrueError, traction};
+use super::rule::Quadrature;
 use super::stress::material;
-use super::{HexSolution, HexSpace, RecoveredStress, Rule};
+use super::{HexSolution, HexSpace, RecoveredStress};
 
 /// Gauss points a direction for true errors.
 const POINTS: usize = 6;
@@ -19,16 +20,15 @@ impl HexErrors {
     /// The estimate by the distance of the elements' stress from the recovered one.
     #[must_use]
     pub fn estimate(space: &HexSpace<'_>, model: &Model, solution: &HexSolution, recovered: &RecoveredStress) -> Self {
-        let rule = Rule::cube(space.gauss_points().max(3));
-        let tables = space.tables(&rule.points);
+        let quadrature = Quadrature::new(space, space.gauss_points().max(3));
         let squared = space.of_cells(|t| {
-            let table = tables.of(space, t);
+            let (weights, table) = quadrature.of(space, t);
             let point = |(q, weight): (usize, &f64)| {
                 let error = difference(recovered.at(space, t, table, q), solution.stress(space, model, t, table, q));
                 let volume = weight * space.frame(t, table, q).1.determinant();
                 volume * material(space, model, t).compliance_energy(error)
             };
-            rule.weights.iter().enumerate().map(point).sum::<f64>()
+            weights.iter().enumerate().map(point).sum::<f64>()
         });
         Self { squared }
     }
@@ -59,7 +59,9 @@ impl Exact {
     pub fn add_loads_on_hexes(&self, space: &HexSpace<'_>, system: &mut System) -> Result<(), FemError> {
         integrate_cells(space, &mut system.loads, |_, x| Ok(self.body_force(x)))?;
         match self.tractions {
-            Some(group) => integrate_faces(space, group, &mut system.loads, |area, x| Ok(traction(self.stress(x), area))),
+            Some(group) => {
+                integrate_faces(space, group, &mut system.loads, |area, x| Ok(traction(self.stress(x), area)))
+            }
             None => Ok(()),
         }
     }
@@ -67,12 +69,11 @@ impl Exact {
     /// The true error of a solution on hexahedra, by quadrature over its own (limit) geometry.
     #[must_use]
     pub fn error_on_hexes(&self, space: &HexSpace<'_>, model: &Model, solution: &HexSolution) -> TrueError {
-        let rule = Rule::cube(POINTS);
-        let tables = space.tables(&rule.points);
+        let quadrature = Quadrature::new(space, POINTS);
         let squares = space.of_cells(|t| {
-            let (table, material) = (tables.of(space, t), material(space, model, t));
+            let ((weights, table), material) = (quadrature.of(space, t), material(space, model, t));
             let mut squares = [0.0; 2];
-            for (q, weight) in rule.weights.iter().enumerate() {
+            for (q, weight) in weights.iter().enumerate() {
                 let (x, jacobian) = space.frame(t, table, q);
                 let exact = self.stress(x);
                 let error = difference(exact, solution.stress(space, model, t, table, q));

@@ -1,7 +1,8 @@
 //! Integrals over the limit geometry, for loads and foundations.
 
-use super::super::loads::Integrals;
 use super::super::FemError;
+use super::super::loads::{InCell, Integrals, OnFace};
+use super::rule::Quadrature;
 use super::{HexLocator, HexSpace, Rule, face_area};
 use crate::mesh::GroupId;
 use glam::DVec3;
@@ -10,11 +11,7 @@ use glam::DVec3;
 const POINTS: usize = 5;
 
 /// Visits the Gauss points of a group's faces with the functions there: (function, value), the place and the area vector.
-pub(super) fn on_faces<E>(
-    space: &HexSpace<'_>,
-    group: GroupId,
-    visit: &mut dyn FnMut(&[(u32, f64)], DVec3, DVec3) -> Result<(), E>,
-) -> Result<(), E> {
+pub(super) fn on_faces(space: &HexSpace<'_>, group: GroupId, visit: &mut OnFace<'_>) -> Result<(), FemError> {
     let rules: [Rule; 6] = std::array::from_fn(|k| Rule::face(k, POINTS));
     let tables: [super::Tables; 6] = std::array::from_fn(|k| space.tables(&rules[k].points));
     let mut functions = Vec::new();
@@ -40,24 +37,16 @@ impl Integrals for HexSpace<'_> {
         self.mesh.regions()[cell].0 as usize
     }
 
-    fn on_faces(
-        &self,
-        group: GroupId,
-        visit: &mut dyn FnMut(&[(u32, f64)], DVec3, DVec3) -> Result<(), FemError>,
-    ) -> Result<(), FemError> {
+    fn on_faces(&self, group: GroupId, visit: &mut OnFace<'_>) -> Result<(), FemError> {
         on_faces(self, group, visit)
     }
 
-    fn in_cells(
-        &self,
-        visit: &mut dyn FnMut(usize, &[(u32, f64)], DVec3, f64) -> Result<(), FemError>,
-    ) -> Result<(), FemError> {
-        let rule = Rule::cube(POINTS);
-        let tables = self.tables(&rule.points);
+    fn in_cells(&self, visit: &mut InCell<'_>) -> Result<(), FemError> {
+        let quadrature = Quadrature::new(self, POINTS);
         let mut functions = Vec::new();
         for t in 0..self.mesh.cells().len() {
-            let table = tables.of(self, t);
-            for (q, weight) in rule.weights.iter().enumerate() {
+            let (weights, table) = quadrature.of(self, t);
+            for (q, weight) in weights.iter().enumerate() {
                 let (x, jacobian) = self.frame(t, table, q);
                 functions.clear();
                 functions.extend(self.cell(t).iter().copied().zip(table.values_at(q).iter().copied()));

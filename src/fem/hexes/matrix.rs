@@ -6,7 +6,8 @@
 use super::super::block_matrix::BlockMatrix;
 use super::super::tet10::stiffness_block;
 use super::super::{FemError, Material};
-use super::{AtPoint, HexSpace, Rule};
+use super::rule::Quadrature;
+use super::{AtPoint, HexSpace};
 use crate::mesh::rows::Rows;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::{Accum, Mat, Par};
@@ -21,16 +22,15 @@ const BATCH: usize = 256;
 /// # Errors
 /// [`FemError::Folded`] where a Jacobian is not positive.
 pub(super) fn stiffness(space: &HexSpace<'_>, materials: &[Material]) -> Result<BlockMatrix, FemError> {
-    let rule = Rule::cube(space.gauss_points());
-    let tables = space.tables(&rule.points);
+    let quadrature = Quadrature::new(space, space.gauss_points());
     let element = |t: usize| {
-        let table = tables.of(space, t);
+        let (weights, table) = quadrature.of(space, t);
         let (mut at, n) = (AtPoint::default(), table.functions);
         // Column q holds the weighted gradients of all functions at point q.
-        let mut gradients = Mat::<f64>::zeros(3 * n, rule.points.len());
-        for (q, weight) in rule.weights.iter().enumerate() {
+        let mut gradients = Mat::<f64>::zeros(3 * n, weights.len());
+        for (q, weight) in weights.iter().enumerate() {
             space.at_point(t, table, q, &mut at);
-            if !(at.determinant > 0.0) {
+            if at.determinant.is_nan() || at.determinant <= 0.0 {
                 return Err(FemError::Folded { cell: t, at: at.x, determinant: at.determinant });
             }
             let scale = (weight * at.determinant).sqrt();
@@ -79,8 +79,7 @@ fn pattern(space: &HexSpace<'_>) -> BlockMatrix {
     let cells = space.mesh().cells().len();
     let of_function = Rows::new(space.points().len(), cells, |t| space.cell(t).iter().map(move |&v| (v, t as u32)));
     let row = |i: usize| {
-        let mut columns: Vec<u32> =
-            of_function.row(i).iter().flat_map(|&t| space.cell(t as usize)).copied().collect();
+        let mut columns: Vec<u32> = of_function.row(i).iter().flat_map(|&t| space.cell(t as usize)).copied().collect();
         columns.sort_unstable();
         columns.dedup();
         columns

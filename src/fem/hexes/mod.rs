@@ -6,6 +6,7 @@
 
 mod error;
 mod lagrange;
+mod lattice;
 mod loads;
 mod matrix;
 mod places;
@@ -19,6 +20,7 @@ mod system;
 mod tests;
 
 pub use error::HexErrors;
+pub use lattice::Lattice;
 pub use places::HexLocator;
 pub use quantity::HexState;
 pub use recovery::RecoveredStress;
@@ -27,10 +29,9 @@ pub use stress::{HexSolution, recover_hexes};
 pub use supports::{check_hex_constraints, prescribed_on_hexes};
 pub use system::assemble_hexes;
 
-use super::options::HexElement;
+use super::options::{HexElement, HexOptions};
 use crate::limit::{Basis, Table};
 use crate::mesh::hex::HexMesh;
-use crate::subdiv::options::CatmullClark;
 use glam::{DMat3, DVec3};
 use lagrange::Lagrange;
 use rayon::prelude::*;
@@ -40,6 +41,7 @@ use rayon::prelude::*;
 pub struct HexSpace<'m> {
     mesh: &'m HexMesh,
     element: HexElement,
+    options: HexOptions,
     points: Vec<DVec3>,
     functions: Functions,
 }
@@ -71,11 +73,13 @@ impl<'m> HexSpace<'m> {
     /// The space of an element on a mesh, which Catmull-Clark elements take for a control mesh that
     /// [`HexMesh::check_smoothable`] accepts.
     #[must_use]
-    pub fn new(mesh: &'m HexMesh, element: HexElement, variant: CatmullClark) -> Self {
+    pub fn new(mesh: &'m HexMesh, element: HexElement, options: HexOptions) -> Self {
         let functions = match element {
-            HexElement::Hex8 | HexElement::Hex20 | HexElement::Hex27 => Functions::Lagrange(Lagrange::new(mesh, element)),
-            HexElement::CatmullClark => Functions::Limit(Basis::new(mesh, variant, false)),
-            HexElement::CatmullClarkPlus => Functions::Limit(Basis::new(mesh, variant, true)),
+            HexElement::Hex8 | HexElement::Hex20 | HexElement::Hex27 => {
+                Functions::Lagrange(Lagrange::new(mesh, element))
+            }
+            HexElement::CatmullClark => Functions::Limit(Basis::new(mesh, options.masks, false)),
+            HexElement::CatmullClarkPlus => Functions::Limit(Basis::new(mesh, options.masks, true)),
         };
         let points = match &functions {
             Functions::Lagrange(lagrange) => lagrange.points(mesh),
@@ -85,7 +89,7 @@ impl<'m> HexSpace<'m> {
                 points
             }
         };
-        Self { mesh, element, points, functions }
+        Self { mesh, element, options, points, functions }
     }
 
     /// The mesh.
@@ -104,6 +108,19 @@ impl<'m> HexSpace<'m> {
     #[must_use]
     pub fn points(&self) -> &[DVec3] {
         &self.points
+    }
+
+    /// A place for each function: of bubbles that of their vertices.
+    #[must_use]
+    pub fn whereabouts(&self) -> Vec<DVec3> {
+        let mut places = self.points.clone();
+        if let Functions::Limit(basis) = &self.functions {
+            let vertices = self.mesh.points().len();
+            let own = basis.bubbles().iter().map(|b| self.points[b.vertex as usize]);
+            places.truncate(vertices);
+            places.extend(own);
+        }
+        places
     }
 
     /// Number of functions with a coefficient of the position: all but bubbles, which come last.
@@ -169,13 +186,25 @@ impl<'m> HexSpace<'m> {
         }
     }
 
-    /// The Gauss points a direction that suit the element's stiffness.
+    /// How the elements are made and integrated.
+    #[must_use]
+    pub fn options(&self) -> HexOptions {
+        self.options
+    }
+
+    /// Gauss points a direction of the stiffness: those asked for, else what suits the element.
     #[must_use]
     pub fn gauss_points(&self) -> usize {
+        self.options.points.unwrap_or(self.degree() + 1)
+    }
+
+    /// Degree of the functions in each coordinate, where they are polynomials.
+    #[must_use]
+    pub fn degree(&self) -> usize {
         match self.element {
-            HexElement::Hex8 => 2,
-            HexElement::Hex20 | HexElement::Hex27 => 3,
-            HexElement::CatmullClark | HexElement::CatmullClarkPlus => 4,
+            HexElement::Hex8 => 1,
+            HexElement::Hex20 | HexElement::Hex27 => 2,
+            HexElement::CatmullClark | HexElement::CatmullClarkPlus => 3,
         }
     }
 

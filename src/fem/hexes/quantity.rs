@@ -3,6 +3,7 @@
 use super::super::options::{Field, Total};
 use super::super::quantity::{of_displacement, of_stress};
 use super::super::{Cells, Extent, Model, QuantityKind, SymTensor};
+use super::rule::Quadrature;
 use super::stress::material;
 use super::{HexLocator, HexSolution, HexSpace, RecoveredStress, Rule, face_area};
 use crate::limit::Table;
@@ -98,15 +99,14 @@ impl HexState<'_> {
     }
 
     fn integral(&self, cells: Cells, of: impl Fn(usize, &Table, usize) -> f64 + Sync) -> f64 {
-        let rule = Rule::cube(POINTS);
-        let tables = self.space.tables(&rule.points);
+        let quadrature = Quadrature::new(self.space, POINTS);
         let sums = self.space.of_cells(|t| {
             if cells.region.is_some_and(|r| r != self.space.mesh().regions()[t]) {
                 return 0.0;
             }
-            let table = tables.of(self.space, t);
+            let (weights, table) = quadrature.of(self.space, t);
             let point = |(q, w): (usize, &f64)| w * self.space.frame(t, table, q).1.determinant() * of(t, table, q);
-            rule.weights.iter().enumerate().map(point).sum::<f64>()
+            weights.iter().enumerate().map(point).sum::<f64>()
         });
         sums.iter().sum()
     }
@@ -126,7 +126,10 @@ impl HexState<'_> {
         match extent {
             Extent::Cells(cells) => {
                 let inside = |t: &usize| cells.region.is_none_or(|r| r == self.space.mesh().regions()[*t]);
-                (0..self.space.mesh().cells().len()).filter(inside).map(|t| of(t, &|_| true)).fold(f64::NEG_INFINITY, f64::max)
+                (0..self.space.mesh().cells().len())
+                    .filter(inside)
+                    .map(|t| of(t, &|_| true))
+                    .fold(f64::NEG_INFINITY, f64::max)
             }
             Extent::Faces(group) => {
                 let faces = self.space.mesh().group_faces(group).map(|f| self.space.cell_of_face(f));

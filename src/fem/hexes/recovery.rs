@@ -3,8 +3,9 @@
 
 use super::super::{Model, SymTensor};
 use super::matrix::conjugate_gradients;
+use super::rule::Quadrature;
 use super::stress::{material, strain};
-use super::{AtPoint, HexSolution, HexSpace, Rule};
+use super::{AtPoint, HexSolution, HexSpace};
 use crate::limit::Table;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -48,31 +49,37 @@ impl RecoveredStress {
 struct Projection<'a, 'm> {
     space: &'a HexSpace<'m>,
     cells: Vec<usize>,
-    rule: Rule,
-    tables: super::Tables,
+    quadrature: Quadrature,
     /// Weights times Jacobian determinants at the points of each cell.
     volumes: Vec<Vec<f64>>,
 }
 
 impl<'a, 'm> Projection<'a, 'm> {
     fn new(space: &'a HexSpace<'m>, region: usize) -> Self {
-        let cells: Vec<usize> = (0..space.mesh().cells().len())
-            .filter(|&t| space.mesh().regions()[t].0 as usize == region)
-            .collect();
+        let cells: Vec<usize> =
+            (0..space.mesh().cells().len()).filter(|&t| space.mesh().regions()[t].0 as usize == region).collect();
         // One point more than stiffness needs: the products of functions have a higher degree.
-        let rule = Rule::cube(space.gauss_points().max(3));
-        let tables = space.tables(&rule.points);
+        let quadrature = Quadrature::new(space, space.gauss_points().max(3));
         let volumes = |t: &usize| -> Vec<f64> {
-            let table = tables.of(space, *t);
+            let (weights, table) = quadrature.of(space, *t);
             let volume = |(q, w): (usize, &f64)| w * space.frame(*t, table, q).1.determinant();
-            rule.weights.iter().enumerate().map(volume).collect()
+            weights.iter().enumerate().map(volume).collect()
         };
         let volumes = cells.par_iter().map(volumes).collect();
-        Self { space, cells, rule, tables, volumes }
+        Self { space, cells, quadrature, volumes }
+    }
+
+    fn table(&self, t: usize) -> &Table {
+        self.quadrature.of(self.space, t).1
     }
 
     /// `sum over cells int N_i g` for a field g given at the points of a cell.
-    fn integrals<T: Send + Copy>(&self, zero: T, of: impl Fn(usize, usize) -> Vec<T> + Sync, add: impl Fn(&mut T, T)) -> Vec<T> {
+    fn integrals<T: Send + Copy>(
+        &self,
+        zero: T,
+        of: impl Fn(usize, usize) -> Vec<T> + Sync,
+        add: impl Fn(&mut T, T),
+    ) -> Vec<T> {
         let mut sums = vec![zero; self.space.points().len()];
         for first in (0..self.cells.len()).step_by(BATCH) {
             let batch = first..self.cells.len().min(first + BATCH);
@@ -88,7 +95,7 @@ impl<'a, 'm> Projection<'a, 'm> {
     /// The mass matrix times a field.
     fn mass(&self, x: &[DVec3]) -> Vec<DVec3> {
         let of = |i: usize, t: usize| {
-            let (table, functions) = (self.tables.of(self.space, t), self.space.cell(t));
+            let (table, functions) = (self.table(t), self.space.cell(t));
             let mut sums = vec![DVec3::ZERO; functions.len()];
             for (q, volume) in self.volumes[i].iter().enumerate() {
                 let values = table.values_at(q);
@@ -102,7 +109,7 @@ impl<'a, 'm> Projection<'a, 'm> {
 
     fn diagonal(&self) -> Vec<f64> {
         let of = |i: usize, t: usize| {
-            let table = self.tables.of(self.space, t);
+            let table = self.table(t);
             let mut sums = vec![0.0; table.functions];
             for (q, volume) in self.volumes[i].iter().enumerate() {
                 sums.iter_mut().zip(table.values_at(q)).for_each(|(sum, n)| *sum += volume * n * n);
@@ -114,9 +121,9 @@ impl<'a, 'm> Projection<'a, 'm> {
 
     fn stress(&self, model: &Model, solution: &HexSolution) -> Vec<Halves> {
         let of = |i: usize, t: usize| {
-            let (table, material) = (self.tables.of(self.space, t), material(self.space, model, t));
+            let (table, material) = (self.table(t), material(self.space, model, t));
             let (mut sums, mut at) = (vec![[DVec3::ZERO; 2]; table.functions], AtPoint::default());
-            for (q, volume) in self.volumes[i].iter().enumerate().take(self.rule.points.len()) {
+            for (q, volume) in self.volumes[i].iter().enumerate() {
                 self.space.at_point(t, table, q, &mut at);
                 let halves = halves(material.stress(strain(self.space, &solution.displacement, t, &at)));
                 for (sum, n) in sums.iter_mut().zip(table.values_at(q)) {

@@ -1,6 +1,9 @@
 //! Gauss-Legendre quadrature on the unit interval, square and cube.
 
+use super::HexSpace;
+use crate::limit::Table;
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Points of the unit cube with weights of sum one.
 #[derive(Debug, Clone, Default)]
@@ -28,6 +31,22 @@ impl Rule {
         rule
     }
 
+    /// The rule on each of the `8^times` parts of the halved cube.
+    #[must_use]
+    pub fn split(self, times: u32) -> Self {
+        if times == 0 {
+            return self;
+        }
+        let finer = self.split(times - 1);
+        let mut rule = Self::default();
+        for child in 0..8 {
+            let corner = DVec3::from_array([0, 1, 2].map(|axis| f64::from(child >> axis & 1)));
+            rule.points.extend(finer.points.iter().map(|p| 0.5 * (*p + corner)));
+            rule.weights.extend(finer.weights.iter().map(|w| w / 8.0));
+        }
+        rule
+    }
+
     /// `n` Gauss points a direction on face `k` of the cube (see [`crate::mesh::hex::FACES`]).
     #[must_use]
     pub fn face(k: usize, n: usize) -> Self {
@@ -44,6 +63,29 @@ impl Rule {
             }
         }
         rule
+    }
+}
+
+/// A rule for each class of cells, with the functions at its points.
+#[derive(Debug)]
+pub(super) struct Quadrature {
+    rules: Vec<Rule>,
+    tables: Vec<Table>,
+}
+
+impl Quadrature {
+    /// `n` Gauss points a direction, in parts of cells that are no polynomials.
+    pub fn new(space: &HexSpace<'_>, n: usize) -> Self {
+        let splits = |class| if space.is_regular(class) { 0 } else { space.options().splits };
+        let rules: Vec<Rule> = (0..space.classes()).map(|class| Rule::cube(n).split(splits(class))).collect();
+        let tables = rules.par_iter().enumerate().map(|(class, rule)| space.table(class, &rule.points)).collect();
+        Self { rules, tables }
+    }
+
+    /// The weights and the functions of cell `t`.
+    pub fn of(&self, space: &HexSpace<'_>, t: usize) -> (&[f64], &Table) {
+        let class = space.class(t);
+        (&self.rules[class].weights, &self.tables[class])
     }
 }
 

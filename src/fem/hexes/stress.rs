@@ -2,8 +2,9 @@
 
 use super::super::assembly::System;
 use super::super::recover::reactions;
-use super::super::{FemError, Material, Model, Solved, SolverInfo, SymTensor};
-use super::{AtPoint, HexSpace, Rule, loads};
+use super::super::{Material, Model, Solved, SolverInfo, SymTensor};
+use super::rule::Quadrature;
+use super::{AtPoint, HexSpace, loads};
 use crate::limit::Table;
 use glam::DVec3;
 
@@ -33,7 +34,7 @@ pub fn recover_hexes(space: &HexSpace<'_>, model: &Model, system: &System, solve
             let _ = loads::on_faces(space, support.group, &mut |functions, _, area| {
                 let moved: DVec3 = functions.iter().map(|(v, n)| *n * u[*v as usize]).sum();
                 *reaction -= area.length() * support.stiffness * moved;
-                Ok::<(), FemError>(())
+                Ok(())
             });
         }
     }
@@ -48,16 +49,16 @@ pub fn recover_hexes(space: &HexSpace<'_>, model: &Model, system: &System, solve
 
 /// By the strains, not as `u.K u / 2`, which has no digits left where the body moves far more than it deforms.
 fn strain_energy(space: &HexSpace<'_>, model: &Model, u: &[DVec3]) -> f64 {
-    let rule = Rule::cube(space.gauss_points());
-    let tables = space.tables(&rule.points);
+    let quadrature = Quadrature::new(space, space.gauss_points());
     let energies = space.of_cells(|t| {
-        let (table, material, mut at) = (tables.of(space, t), material(space, model, t), AtPoint::default());
+        let ((weights, table), material, mut at) =
+            (quadrature.of(space, t), material(space, model, t), AtPoint::default());
         let point = |(q, weight): (usize, &f64)| {
             space.at_point(t, table, q, &mut at);
             let stress = material.stress(strain(space, u, t, &at));
             0.5 * weight * at.determinant * material.compliance_energy(stress)
         };
-        rule.weights.iter().enumerate().map(point).sum::<f64>()
+        weights.iter().enumerate().map(point).sum::<f64>()
     });
     energies.iter().sum()
 }

@@ -4,8 +4,8 @@
 //! prescribing their coefficients prescribes the displacement on the faces and nothing beside them. Affine displacements are
 //! exact with the values at the control points as coefficients; others are projected in the mean square over the faces.
 
-use super::super::numbering::{Prescribed, merged};
 use super::super::constraints::check_held;
+use super::super::numbering::{Prescribed, merged};
 use super::super::{FemError, Model, Support, check};
 use super::matrix::Mass;
 use super::{HexSpace, Rule, Tables, face_area};
@@ -40,9 +40,12 @@ pub fn prescribed_on_hexes(space: &HexSpace<'_>, model: &Model) -> Result<Vec<Pr
             let Some(field) = field else { continue };
             let wanted = traces.wanted(support, field)?;
             match traces.at_control_points(space, field, &wanted) {
-                Some(values) => all.extend(
-                    values.into_iter().map(|(node, value)| Prescribed { node, component, value, support: index }),
-                ),
+                Some(values) => all.extend(values.into_iter().map(|(node, value)| Prescribed {
+                    node,
+                    component,
+                    value,
+                    support: index,
+                })),
                 None => to_project.push((index, component, traces.clone(), wanted)),
             }
         }
@@ -106,7 +109,11 @@ impl Traces {
     fn wanted(&self, support: &Support, field: &Field) -> Result<Vec<f64>, FemError> {
         let at = |p: &Trace| {
             let value = field.at(p.x);
-            if value.is_finite() { Ok(value) } else { Err(FemError::not_finite_at("support", &support.name, field, p.x)) }
+            if value.is_finite() {
+                Ok(value)
+            } else {
+                Err(FemError::not_finite_at("support", &support.name, field, p.x))
+            }
         };
         self.points.iter().map(at).collect()
     }

@@ -185,8 +185,7 @@ pub(super) fn check_cells(parts: &HexMeshParts) -> Result<(), HexError> {
             let frame = jacobian(&points, at);
             let determinant = frame.determinant();
             let size = frame.x_axis.length() * frame.y_axis.length() * frame.z_axis.length();
-            // Refuses NaN too.
-            if !(determinant > f64::EPSILON * size) {
+            if determinant.is_nan() || determinant <= f64::EPSILON * size {
                 let centroid = points.iter().sum::<DVec3>() / 8.0;
                 return Err(HexError::Twisted { cell, vertices, vertex: vertices[corner], determinant, centroid });
             }

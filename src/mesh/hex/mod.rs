@@ -11,7 +11,7 @@ mod topology;
 pub use error::HexError;
 pub use topology::{HexTopology, NONE};
 
-use super::{Crease, GroupId, PatchId, RegionId, Tagged};
+use super::{Crease, GroupId, MeshError, PatchId, RegionId, Tagged};
 use glam::{DMat3, DVec3};
 
 /// Corners of the faces of a cell, counter-clockwise seen from outside: face `2 a + s` lies at coordinate `s` of axis `a`.
@@ -277,6 +277,34 @@ impl HexMesh {
 }
 
 impl Tagged for HexMesh {
+    fn points(&self) -> &[DVec3] {
+        self.points()
+    }
+
+    fn face_count(&self) -> usize {
+        self.faces().len()
+    }
+
+    fn face_corners(&self, face: usize) -> &[u32] {
+        &self.faces()[face].vertices
+    }
+
+    fn face_area(&self, face: usize) -> DVec3 {
+        0.5 * features::face_normal(self.points(), self.faces()[face].vertices)
+    }
+
+    fn face_groups(&self, face: usize) -> &[GroupId] {
+        &self.patch_groups()[self.faces()[face].patch.0 as usize]
+    }
+
+    fn and_group(self, name: &str, selected: &[bool]) -> Result<(Self, GroupId), MeshError> {
+        if selected.len() == self.faces().len() {
+            return Ok(self.with_group(name, selected));
+        }
+        let (got, want) = (selected.len(), self.faces().len());
+        Err(MeshError::Inconsistent(format!("group {name:?} selects among {got} faces, the mesh has {want}")))
+    }
+
     fn region_names(&self) -> &[String] {
         self.region_names()
     }
@@ -287,10 +315,6 @@ impl Tagged for HexMesh {
 
     fn groups(&self) -> &[String] {
         self.groups()
-    }
-
-    fn is_empty_group(&self, group: GroupId) -> bool {
-        self.group_faces(group).next().is_none()
     }
 }
 
@@ -304,6 +328,24 @@ pub fn jacobian(points: &[DVec3; 8], at: DVec3) -> DMat3 {
         (0..8).map(|c| sign(axis, c) * side(u, c) * side(v, c) * points[c]).sum()
     };
     DMat3::from_cols(derivative(0), derivative(1), derivative(2))
+}
+
+/// Smallest angle in degrees between two faces of a cell, at its corners.
+#[must_use]
+pub fn min_dihedral(points: &[DVec3; 8]) -> f64 {
+    let mut least = 180.0_f64;
+    for corner in 0..8_usize {
+        let at = DVec3::from_array([0, 1, 2].map(|axis| (corner >> axis & 1) as f64));
+        let frame = jacobian(points, at);
+        for axis in 0..3 {
+            let edge = frame.col(axis);
+            // Into the two faces at the edge.
+            let into = |a: usize| if corner >> a & 1 == 1 { -frame.col(a) } else { frame.col(a) };
+            let [u, v] = [(axis + 1) % 3, (axis + 2) % 3].map(|a| into(a).reject_from(edge));
+            least = least.min(u.angle_between(v).to_degrees());
+        }
+    }
+    least
 }
 
 /// Volume of a trilinear cell: its Jacobian determinant has degree two in each coordinate, so two Gauss points are exact.

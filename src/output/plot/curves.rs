@@ -12,8 +12,8 @@ use std::path::Path;
 /// What the error is plotted against.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Axis {
-    /// Degrees of freedom; a line of slope -p/3 shows the best rate of elements of this degree p on smooth solutions.
-    Dofs(u8),
+    /// Unknowns; a line of slope -p/3 shows the best rate of elements of this degree p on smooth solutions.
+    Unknowns(u8),
     /// Seconds since the start of the run.
     Seconds,
     /// Most memory held since the start of the run, in megabytes.
@@ -36,12 +36,12 @@ pub fn error_curves(
 }
 
 /// A curve in decimal logarithms; the error in percent.
-struct Run<'a> {
-    name: &'a str,
-    points: Vec<(f64, f64)>,
+pub(super) struct Run<'a> {
+    pub name: &'a str,
+    pub points: Vec<(f64, f64)>,
 }
 
-fn logarithms(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+pub(super) fn logarithms(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let points = points.iter().map(|&(paid, error)| (paid.log10(), (100.0 * error).log10()));
     points.filter(|(x, y)| x.is_finite() && y.is_finite()).collect()
 }
@@ -49,13 +49,13 @@ fn logarithms(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
 fn draw(page: &Area<'_>, axis: Axis, source: &str, runs: &[Run<'_>]) -> Result<(), Box<dyn std::error::Error>> {
     let all = || runs.iter().flat_map(|r| &r.points);
     let reference = match axis {
-        Axis::Dofs(degree) => reference(all().copied(), degree),
+        Axis::Unknowns(degree) => reference(all().copied(), degree),
         Axis::Seconds | Axis::Memory => Vec::new(),
     };
     let x = padded(all().map(|p| p.0));
     let y = padded(all().chain(&reference).map(|p| p.1));
     let (title, x_label) = match axis {
-        Axis::Dofs(_) => ("Error against degrees of freedom", "degrees of freedom"),
+        Axis::Unknowns(_) => ("Error against unknowns", "unknowns"),
         Axis::Seconds => ("Error against time", "seconds since the start"),
         Axis::Memory => ("Error against memory", "most memory held since the start, MB"),
     };
@@ -76,7 +76,7 @@ fn draw(page: &Area<'_>, axis: Axis, source: &str, runs: &[Run<'_>]) -> Result<(
         .x_desc(x_label)
         .y_desc(format!("{source} relative error, %"))
         .draw()?;
-    if let (Axis::Dofs(degree), [_, ..]) = (axis, &reference[..]) {
+    if let (Axis::Unknowns(degree), [_, ..]) = (axis, &reference[..]) {
         chart
             .draw_series(DashedLineSeries::new(reference, 8, 6, GREY.stroke_width(2)))?
             .label(format!("slope -{degree}/3"))
@@ -106,7 +106,7 @@ fn draw(page: &Area<'_>, axis: Axis, source: &str, runs: &[Run<'_>]) -> Result<(
 }
 
 /// A disc for the first run, a square for the second, and so on in turns, so that no reader depends on colour.
-fn marker(run: usize, (x, y): (i32, i32), colour: RGBColor) -> Polygon<(i32, i32)> {
+pub(super) fn marker(run: usize, (x, y): (i32, i32), colour: RGBColor) -> Polygon<(i32, i32)> {
     let corners = if run.is_multiple_of(2) { 24 } else { 4 };
     let corner = |i: usize| {
         let angle = std::f64::consts::TAU * (i as f64 + 0.5) / corners as f64;
@@ -127,7 +127,7 @@ fn reference(points: impl Iterator<Item = (f64, f64)> + Clone, degree: u8) -> Ve
 }
 
 /// The range of the values with some room at both ends, at least half a decade.
-fn padded(values: impl Iterator<Item = f64>) -> Range<f64> {
+pub(super) fn padded(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), x| (lo.min(x), hi.max(x)));
     if low > high {
         return 0.0..1.0;
@@ -137,7 +137,7 @@ fn padded(values: impl Iterator<Item = f64>) -> Range<f64> {
 }
 
 /// An axis of logarithms with the numbers they stand for.
-fn marked(range: Range<f64>) -> MarkedAxis {
+pub(super) fn marked(range: Range<f64>) -> MarkedAxis {
     let numbers = ticks::logarithmic(10_f64.powf(range.start), 10_f64.powf(range.end));
     MarkedAxis { range, marks: numbers.iter().map(|x| x.log10()).collect() }
 }

@@ -2,10 +2,12 @@
 
 mod curves;
 mod histogram;
+mod panels;
 mod ticks;
 
 pub use curves::{Axis, error_curves};
 pub use histogram::{dihedral_histogram, error_histogram};
+pub use panels::{Panel, panels};
 
 use super::OutputError;
 use super::atomic::write_atomic;

@@ -1,28 +1,41 @@
-//! The table of `subsolid verify`.
+//! The tables of `subsolid verify`.
 
-use super::super::book::Book;
-use super::{table, text};
+use super::super::book::{Book, Problem};
+use super::{count, table, text};
 
-/// Every expectation of every problem beside what came out.
+/// Figures of references, which the page tells in full.
+const DIGITS: usize = 7;
+
+/// Every expectation of every problem beside what came out, and how the problems were solved.
 #[must_use]
 pub fn book(book: &Book) -> String {
-    let mut rows = table("problem|quantity|reference|ours|deviation|slope|estimated\nerror|effec-\ntivity|");
+    let mut rows = table("problem\n quantity|reference|ours|deviation|allowed|slope|");
     for problem in &book.problems {
-        let mut name = problem.name().to_owned();
-        let [mut error, mut effectivity] = problem.error_texts();
+        let blank = || [(); 5].map(|()| String::new());
+        let fault = if problem.fault.is_some() { "FAIL" } else { "" };
+        let mut row = |name: String, texts: [String; 5], verdict: &str| {
+            rows.add_row([name].into_iter().chain(texts).chain([verdict.to_owned()]));
+        };
+        row(problem.name().to_owned(), blank(), fault);
         for e in &problem.entries {
-            let [reference, ours, deviation, slope] = e.texts();
-            let verdict = if e.passes() { "pass" } else { "FAIL" }.to_owned();
-            let quantity = e.quantity.clone();
-            // The problem's own figures stand in its first row.
-            let [name, error, effectivity] = [&mut name, &mut error, &mut effectivity].map(std::mem::take);
-            rows.add_row([name, quantity, reference, ours, deviation, slope, error, effectivity, verdict]);
-        }
-        if problem.fault.is_some() {
-            let blank = String::new;
-            let name = problem.name().to_owned();
-            rows.add_row([name, blank(), blank(), blank(), blank(), blank(), error, effectivity, "FAIL".to_owned()]);
+            let verdict = if e.passes() { "pass" } else { "FAIL" };
+            row(format!(" {}", e.quantity), e.texts(DIGITS), verdict);
         }
     }
-    text(rows) + "\n"
+    format!("{}\n\n{}\n", text(rows), solved(&book.problems))
+}
+
+/// The last meshes, and the errors there.
+fn solved(problems: &[Problem]) -> String {
+    let mut rows = table("problem|element|meshes|cells|unknowns|estimated\nerror|effec-\ntivity|");
+    for problem in problems {
+        let [element, meshes, cells, unknowns] =
+            problem.solved.as_ref().map_or([(); 4].map(|()| "-".to_owned()), |s| {
+                [s.element.to_owned(), s.meshes.to_string(), count(s.cells), count(s.free_dofs)]
+            });
+        let [error, effectivity] = problem.error_texts();
+        let (name, verdict) = (problem.name().to_owned(), if problem.passes() { "pass" } else { "FAIL" });
+        rows.add_row([name, element, meshes, cells, unknowns, error, effectivity, verdict.to_owned()]);
+    }
+    text(rows)
 }

@@ -1,27 +1,48 @@
 //! Tables of named quantities.
 
-use super::super::report::{QuantityRecord, Report, StepRecord};
-use super::{figures, percent, short, table, text};
+use super::super::report::{ExpectationRecord, QuantityRecord, Report, StepRecord};
+use super::{COLUMNS, figures, percent, short, table, text};
 
 /// Figures printed of a quantity.
 const FIGURES: usize = 6;
 
-/// The quantities of each step, empty if there are none.
+/// The quantities of each step, in as many tables as it takes for their width; empty if there are none.
 #[must_use]
 pub fn quantities(records: &[StepRecord]) -> String {
     let Some(first) = records.first().filter(|r| !r.quantities.is_empty()) else { return String::new() };
-    let names: Vec<&str> = first.quantities.iter().map(|(name, _)| name.as_str()).collect();
-    let mut rows = table(&format!("step|{}", names.join("|")));
-    for record in records {
-        let mut row = vec![record.step.to_string()];
-        row.extend(record.quantities.iter().map(|(_, q)| value(q)));
-        rows.add_row(row);
+    let columns = first.quantities.iter().enumerate().map(|(i, (name, _))| {
+        let values = records.iter().filter_map(|r| r.quantities.get(i)).map(|(_, q)| value(q));
+        [name.clone()].into_iter().chain(values).collect::<Vec<String>>()
+    });
+    let mut tables: Vec<Vec<Vec<String>>> = Vec::new();
+    let mut left = 0;
+    for column in columns {
+        let width = 1 + column.iter().map(|text| text.chars().count()).max().unwrap_or(0);
+        match tables.last_mut() {
+            Some(open) if width <= left => {
+                open.push(column);
+                left -= width;
+            }
+            _ => {
+                tables.push(vec![column]);
+                left = usize::from(COLUMNS).saturating_sub("step".len() + width);
+            }
+        }
     }
-    format!("Quantities\n{}\n", text(rows))
+    let table_of = |columns: &Vec<Vec<String>>| {
+        let names: Vec<&str> = columns.iter().map(|c| c[0].as_str()).collect();
+        let mut rows = table(&format!("step|{}", names.join("|")));
+        for (i, record) in records.iter().enumerate() {
+            let values = columns.iter().filter_map(|c| c.get(i + 1)).cloned();
+            rows.add_row([record.step.to_string()].into_iter().chain(values));
+        }
+        text(rows)
+    };
+    format!("Quantities\n{}\n", tables.iter().map(table_of).collect::<Vec<String>>().join("\n"))
 }
 
 /// A value, with its error bar if there is one.
-fn value(q: &QuantityRecord) -> String {
+pub(super) fn value(q: &QuantityRecord) -> String {
     let bar = q.error.map_or(String::new(), |bar| format!(" +- {}", figures(bar, 2)));
     figures(q.value, FIGURES) + &bar
 }
@@ -34,27 +55,25 @@ pub fn expectations(report: &Report) -> String {
     }
     let mut rows = table("quantity|value|expected|deviation|allowed|");
     for (name, e) in &report.expectations {
-        let share = if e.expected == 0.0 {
-            figures(e.deviation, 3)
-        } else {
-            format!("{} %", percent(e.deviation / e.expected.abs()))
-        };
-        let allowed = if e.expected == 0.0 {
-            figures(e.allowed, 3)
-        } else {
-            format!("{} %", percent(e.allowed / e.expected.abs()))
-        };
-        let [value, expected] = [e.value, e.expected].map(|x| figures(x, FIGURES));
-        let (expected, share, allowed) = match e.between {
-            Some([low, high]) => {
-                (format!("{} to {}", short(low, FIGURES), short(high, FIGURES)), String::new(), String::new())
-            }
-            None => (expected, share, allowed),
-        };
+        let [value, expected, share, allowed] = deviation(e);
         let verdict = if e.passed { "pass" } else { "FAIL" };
         rows.add_row([name.clone(), value, expected, share, allowed, verdict.to_owned()]);
     }
     text(rows) + "\n"
+}
+
+/// Value, what is expected, deviation and what is allowed as texts: relative ones where they can be; a range is expected as a
+/// whole.
+pub(super) fn deviation(e: &ExpectationRecord) -> [String; 4] {
+    let [value, expected] = [e.value, e.expected].map(|x| figures(x, FIGURES));
+    if let Some([low, high]) = e.between {
+        return [value, format!("{} to {}", short(low, FIGURES), short(high, FIGURES)), String::new(), String::new()];
+    }
+    let share = |x: f64| match e.expected {
+        0.0 => figures(x, 3),
+        expected => format!("{} %", percent(x / expected.abs())),
+    };
+    [value, expected, share(e.deviation), share(e.allowed)]
 }
 
 /// The estimated error of each step beside the true one, empty where that is not known.

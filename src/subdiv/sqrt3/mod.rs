@@ -12,7 +12,7 @@ mod surface;
 use super::improve::{Improver, optimise_quality};
 use super::options::{Boundary, Mode, Optimise, Options};
 use super::solid::Solid;
-use super::{Info, Refined, Stencil};
+use super::{Info, Refined, Stencil, typical_angle};
 use crate::mesh::surface::{SurfaceFace, surface_edges, surface_faces};
 use crate::mesh::{MeshError, TetMesh, topology};
 
@@ -89,7 +89,7 @@ pub(super) fn refine(
     flip::retry_faces(&mut solid, &mut faces);
     surface::retry_edges(&mut solid, &mut edges, &mut improver.filling);
     solid.note_stage("flips that had to wait");
-    match options.optimise.quality_run() {
+    match options.optimise.quality_run(|| typical_angle(mesh)) {
         Some(run) => {
             optimise_quality(&mut solid, start, &run);
             solid.note_stage("optimisation");

@@ -6,7 +6,7 @@ use super::frame::Frame;
 use super::galerkin::Coarse;
 use super::level::{Bottom, Midpoints};
 use super::operator::Operator;
-use super::order::Order;
+use super::order::{NONE, Order};
 use super::real::Real;
 use super::smoother::{Kind, Smoother, is_tight};
 use super::spectrum::largest_eigenvalue;
@@ -74,7 +74,7 @@ impl<T: Real> Hierarchy<T> {
         let vertices = finest::<T>(&linear.stiffness, &points[..count], &mask[..count])?;
         let place = &vertices.a.order.place;
         let ends = |&i: &u32| match (i as usize).checked_sub(count) {
-            Some(edge) => linear.ends[edge].map(|v| place[v as usize]),
+            Some(edge) => linear.ends[edge].map(|v| place.get(v as usize).copied().unwrap_or(NONE)),
             None => [place[i as usize]; 2],
         };
         let way = Midpoints::new(top.a.order.natural.iter().map(ends).collect(), vertices.a.len());

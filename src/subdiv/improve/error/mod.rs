@@ -4,7 +4,7 @@
 //! ([`cost::cost`] times a weight) or with one ([`directional`]). The weights come from an error estimate, so that accuracy
 //! is bought where it pays. Moves: edge removal (at
 //! flat boundary edges too), vertex moves (boundary vertices slide in their plane or along their crease), contraction of
-//! interior vertices that are not worth their price. The worst angle is a floor only: no move makes a cell below the floor
+//! vertices that are not worth their price, inside and on flat parts of the surface. The worst angle is a floor only: no move makes a cell below the floor
 //! that was not.
 
 mod contract;
@@ -86,7 +86,7 @@ fn optimise<W: Weight>(solid: &mut Solid, weights: &[W], passes: usize, first: u
     for _ in 0..passes {
         let now = solid.tick();
         let removed = remove_edges(solid, weights, since, rounding);
-        let gone = contract(solid, weights, since, first, (price_of_a_vertex(solid, weights), FLOOR));
+        let gone = contract(solid, weights, &freedoms, (since, first), (price_of_a_vertex(solid, weights), FLOOR));
         let vertices = vertices_of(solid, solid.cells_since(since));
         let propose =
             |fan: &mut Fan<W>, solid: &Solid, v, freedom| relocate::better(fan, solid, weights, v, freedom, FLOOR);

@@ -1,0 +1,151 @@
+//! From a scenario and a hexahedral mesh to a model.
+
+use super::super::resolve::{Body, Targets, check_density, choose_materials, properties, with_place};
+use super::super::{ModelError, loading, quantities, select};
+use crate::error::Error;
+use crate::fem::hexes::{HexSpace, check_hex_constraints, prescribed_on_hexes};
+use crate::fem::{self, Model};
+use crate::mesh::hex::{HexMesh, HexMeshParts};
+use crate::mesh::topology::sorted2;
+use crate::mesh::{Crease, GroupId};
+use crate::output::report::Selection;
+use crate::scenario::{Hexes, LoadKind, Scenario};
+use glam::DVec3;
+
+/// A hexahedral mesh and what is to be solved on it.
+#[derive(Debug)]
+pub(in super::super) struct ResolvedHexes {
+    /// The mesh with a group for each support and load, and with its creases and corners.
+    pub mesh: HexMesh,
+    /// The element.
+    pub hexes: Hexes,
+    /// Materials, supports and loads on its regions and groups.
+    pub model: Model,
+    /// The quantities asked for, on its regions and groups.
+    pub quantities: Vec<fem::Quantity>,
+    /// The solution that is known.
+    pub exact: Option<fem::Exact>,
+    /// What each selector matched.
+    pub selections: Vec<Selection>,
+    /// What is allowed but deserves a word.
+    pub warnings: Vec<String>,
+}
+
+impl ResolvedHexes {
+    /// The functions on a mesh of the problem.
+    pub fn space<'m>(&self, mesh: &'m HexMesh) -> HexSpace<'m> {
+        HexSpace::new(mesh, self.hexes.element, self.hexes.options)
+    }
+}
+
+/// A body of hexahedra.
+#[derive(Clone)]
+struct Bricks(HexMesh);
+
+impl Body for Bricks {
+    type Mesh = HexMesh;
+
+    fn mesh(&self) -> &HexMesh {
+        &self.0
+    }
+
+    fn with_mesh(self, mesh: HexMesh) -> Self {
+        Self(mesh)
+    }
+
+    fn area(&self, faces: &[usize]) -> f64 {
+        select::area(&self.0, faces.iter().copied())
+    }
+
+    /// By the bounding box: what the body is between control points only its functions tell.
+    fn nearest(&self, places: &[DVec3]) -> Vec<(f64, DVec3)> {
+        let (lo, hi) = self.0.bounding_box();
+        places.iter().map(|x| x.clamp(lo, hi)).zip(places).map(|(near, x)| (near.distance(*x), near)).collect()
+    }
+
+    fn outside(&self, place: DVec3) -> f64 {
+        self.nearest(&[place])[0].0
+    }
+
+    fn fault(&self, cells: &fem::Cells) -> Option<String> {
+        let region = |r| self.0.regions().contains(&r);
+        if cells.within.is_some() {
+            Some("asks for a part in a box, which cuts tetrahedra only".to_owned())
+        } else if cells.region.is_some_and(|r| !region(r)) {
+            Some("asks for a region that holds nothing of the mesh".to_owned())
+        } else {
+            None
+        }
+    }
+}
+
+/// Resolves a scenario on its mesh.
+///
+/// # Errors
+/// As for tetrahedra; and what the limit of subdivision does not allow.
+pub(super) fn resolve(scenario: &Scenario, hexes: Hexes, mesh: HexMesh) -> Result<ResolvedHexes, Error> {
+    let chosen = choose_materials(&scenario.materials, &mesh)?;
+    if scenario.supports.is_empty() {
+        return Err(ModelError::NoSupports.into());
+    }
+    let mut targets = Targets::new(Bricks(mesh));
+    let exact = scenario.exact.as_ref().map(|e| quantities::exact(e, &chosen, &mut targets)).transpose()?;
+    let supports = scenario.supports.iter().map(|s| targets.support(s, exact)).collect::<Result<Vec<_>, _>>()?;
+    let mut loads = Vec::new();
+    for load in &scenario.loads {
+        if let LoadKind::Gravity(_) = load.kind {
+            check_density(format!("load `{}` is gravity", load.name), &load.place, &chosen)?;
+        }
+        loads.push(fem::Load { name: load.name.clone(), kind: targets.load(load)? });
+    }
+    let quantities = quantities::resolve(scenario, &chosen, &mut targets)?;
+    let Targets { body: Bricks(mesh), selections, .. } = targets;
+    let model = Model { materials: chosen.iter().map(|m| properties(m)).collect(), supports, loads };
+    let mesh = with_features(scenario, &model, mesh)?;
+    if hexes.element.is_smooth() {
+        mesh.check_smoothable()?;
+    }
+    let mut problem = ResolvedHexes { mesh, hexes, model, quantities, exact, selections, warnings: Vec::new() };
+    problem.warnings = warnings(scenario, &problem)?;
+    Ok(problem)
+}
+
+fn warnings(scenario: &Scenario, problem: &ResolvedHexes) -> Result<Vec<String>, ModelError> {
+    let space = problem.space(&problem.mesh);
+    let with_place = |error| with_place(scenario, error);
+    let prescribed = prescribed_on_hexes(&space, &problem.model).map_err(with_place)?;
+    let mut warnings = Vec::new();
+    if problem.exact.is_none() {
+        warnings.extend(loading::warnings(&space, &problem.model, &prescribed).map_err(with_place)?);
+    }
+    warnings.extend(loading::idle_supports(&problem.model, &prescribed));
+    if scenario.adapt.goal.is_some() {
+        warnings.push("adapt.goal is for tetrahedra: on hexahedra its error is not estimated".to_owned());
+    }
+    Ok(warnings)
+}
+
+/// Checks that the supports stop every rigid motion of every part.
+///
+/// # Errors
+/// [`ModelError::Supports`].
+pub(super) fn check_supports(scenario: &Scenario, problem: &ResolvedHexes) -> Result<(), ModelError> {
+    let space = problem.space(&problem.mesh);
+    check_hex_constraints(&space, &problem.model).map_err(|error| with_place(scenario, error))
+}
+
+/// The mesh with its creases and corners: where a support's faces end there is a crease, so that what it prescribes ends too.
+fn with_features(scenario: &Scenario, model: &Model, mesh: HexMesh) -> Result<HexMesh, Error> {
+    let tagged = &scenario.features;
+    let is_held = |s: &&fem::Support| s.meets.is_none() && s.displacement.iter().any(Option::is_some);
+    let bounded: Vec<GroupId> = model.supports.iter().filter(is_held).map(|s| s.group).collect();
+    let mesh = mesh.with_creases(tagged.angle, &bounded);
+    if tagged.edges.is_empty() && tagged.corners.is_empty() {
+        return Ok(mesh);
+    }
+    let mut parts: HexMeshParts = mesh.into_parts();
+    let own = tagged.edges.iter().map(|e| Crease { vertices: sorted2(*e), feature: true });
+    parts.creases.extend(own);
+    parts.corners.extend(&tagged.corners);
+    Ok(HexMesh::new(parts)?)
+}

@@ -1,0 +1,89 @@
+//! The folder of a run on hexahedra.
+
+use super::super::results::{Folder, step_file};
+use super::resolve::ResolvedHexes;
+use super::simulate::Step;
+use crate::error::Error;
+use crate::fem;
+use crate::fem::hexes::Lattice;
+use crate::output::hex_vtk::write_hexes;
+use crate::output::options::FieldName;
+use crate::output::plot::error_histogram;
+use crate::output::report::Report;
+use crate::output::vtk::{Fields, Values};
+use crate::scenario::Scenario;
+use glam::DVec3;
+use std::path::PathBuf;
+
+/// Writes what a run gives, step by step.
+pub(super) struct HexResults<'a> {
+    folder: Folder<'a>,
+    problem: &'a ResolvedHexes,
+    errors: Vec<(String, Vec<f64>)>,
+}
+
+impl<'a> HexResults<'a> {
+    /// Makes the folder and writes the scenario so that it runs again.
+    ///
+    /// # Errors
+    /// [`Error::Output`] if the folder cannot be written.
+    pub(super) fn begin(folder: PathBuf, scenario: &'a Scenario, problem: &'a ResolvedHexes) -> Result<Self, Error> {
+        let folder = Folder::begin(folder, scenario, scenario.refine.strategy)?;
+        Ok(Self { folder, problem, errors: Vec::new() })
+    }
+
+    /// Writes a step.
+    ///
+    /// # Errors
+    /// [`Error::Output`].
+    pub(super) fn step(&mut self, step: &Step<'_>) -> Result<(), Error> {
+        if self.folder.scenario.output.vtk {
+            self.vtk(step)?;
+        }
+        let label = format!("step {}: {} cells", step.index, step.relative_errors.len());
+        self.errors.push((label, step.relative_errors.clone()));
+        Ok(())
+    }
+
+    fn vtk(&mut self, step: &Step<'_>) -> Result<(), Error> {
+        let (space, solution) = (&step.analysed.space, &step.analysed.solution);
+        let lattice = Lattice::new(space, space.degree());
+        let displacement = lattice.values(space, &solution.displacement);
+        let stress = lattice.each(space, |t, table, q| step.analysed.recovered.at(space, t, table, q));
+        let middle = space.tables(&[DVec3::splat(0.5)]);
+        let cells = 0..space.mesh().cells().len();
+        let stresses: Vec<_> =
+            cells.map(|t| solution.stress(space, &self.problem.model, t, middle.of(space, t), 0)).collect();
+        let von_mises: Vec<f64> = stresses.iter().map(|&s| fem::von_mises(s)).collect();
+        let output = &self.folder.scenario.output;
+        let fields = Fields {
+            time: step.index as f64,
+            units: self.folder.scenario.units.clone(),
+            points: self.folder.chosen(vec![
+                (FieldName::Displacement, "displacement", Values::Vectors(&displacement)),
+                (FieldName::Stress, "stress", Values::Tensors(&stress)),
+            ]),
+            cells: self.folder.chosen(vec![
+                (FieldName::VonMises, "von_mises", Values::Scalars(&von_mises)),
+                (FieldName::Stress, "stress", Values::Tensors(&stresses)),
+                (FieldName::ErrorIndicator, "error_indicator", Values::Scalars(&step.relative_errors)),
+            ]),
+        };
+        let name = step_file(step.index);
+        write_hexes(&self.folder.path(&name), space, &lattice, &fields, output.compression)?;
+        self.folder.add(fields.time, name)
+    }
+
+    /// Writes what is known only at the end of the run.
+    ///
+    /// # Errors
+    /// [`Error::Output`].
+    pub(super) fn finish(self, report: &Report) -> Result<(), Error> {
+        self.folder.finish(report)?;
+        if self.folder.scenario.output.report {
+            let unit = self.folder.scenario.units.energy.as_deref();
+            error_histogram(&self.folder.path("cell_errors.svg"), &self.errors, unit)?;
+        }
+        Ok(())
+    }
+}
