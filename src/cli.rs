@@ -3,7 +3,7 @@
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 use std::path::PathBuf;
 use subsolid::pipeline::variants::Variant;
-use subsolid::subdiv::options::{Boundary, Mode, QualityMeasure, Scheme};
+use subsolid::subdiv::options::{Boundary, CatmullClark, Mode, QualityMeasure, Scheme};
 
 /// Finite-element simulation of linear-elastic solids represented by adaptive subdivision meshes.
 #[derive(Debug, Parser)]
@@ -125,8 +125,14 @@ pub struct Subdivide {
     #[arg(long, value_name = "DEG", value_parser = angle)]
     pub curvature_angle: Option<f64>,
     /// Boundary edges with a larger angle between the normals of their faces are features, in degrees
-    #[arg(long, value_name = "DEG", default_value = "40", value_parser = angle)]
+    #[arg(long, visible_alias = "crease-angle", value_name = "DEG", default_value = "40", value_parser = angle)]
     pub feature_angle: f64,
+    /// The masks of scheme catmull-clark where other than four cells meet at an edge [default: bajaj]
+    #[arg(long, value_enum)]
+    pub variant: Option<VariantName>,
+    /// With scheme catmull-clark: find control points so that the smooth solid passes through the vertices of the mesh
+    #[arg(long)]
+    pub interpolate: bool,
     /// Further feature edges: a file of two vertices (numbers from 0) a line
     #[arg(long, value_name = "FILE")]
     pub edges: Option<PathBuf>,
@@ -242,14 +248,36 @@ pub enum SchemeName {
     Red,
     /// One cell into two at its longest edge
     LongestEdge,
+    /// Smooth subdivision of solids of hexahedra, one cell into eight
+    CatmullClark,
 }
 
-impl From<SchemeName> for Scheme {
-    fn from(name: SchemeName) -> Self {
+impl SchemeName {
+    /// The scheme, if it is one of tetrahedra.
+    pub fn of_tetrahedra(self) -> Option<Scheme> {
+        match self {
+            Self::Sqrt3 => Some(Scheme::Sqrt3),
+            Self::Red => Some(Scheme::Red),
+            Self::LongestEdge => Some(Scheme::LongestEdge),
+            Self::CatmullClark => None,
+        }
+    }
+}
+
+/// Names of the masks of Catmull-Clark solids.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum VariantName {
+    /// Multilinear splitting and averaging
+    Bajaj,
+    /// As printed in the paper of 2011
+    Printed,
+}
+
+impl From<VariantName> for CatmullClark {
+    fn from(name: VariantName) -> Self {
         match name {
-            SchemeName::Sqrt3 => Self::Sqrt3,
-            SchemeName::Red => Self::Red,
-            SchemeName::LongestEdge => Self::LongestEdge,
+            VariantName::Bajaj => Self::Bajaj,
+            VariantName::Printed => Self::Printed,
         }
     }
 }

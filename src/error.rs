@@ -24,11 +24,13 @@ pub enum Error {
     #[diagnostic(transparent)]
     Hex(#[from] HexError),
     /// The mesh of a scenario cannot be had in hexahedra.
-    #[error("analysis.element = {element:?} needs a mesh of hexahedra, which this one is not")]
-    #[diagnostic(help("use mesh.box, or a tetrahedral element such as \"tet10\""))]
+    #[error("`mesh.{body}` is generated of tetrahedra only, and analysis.element is one of hexahedra")]
+    #[diagnostic(help(
+        "take mesh.box, cylinder, tube, sphere-shell, prism or a file; or an element such as \"tet10\""
+    ))]
     NotHexahedra {
-        /// The element asked for.
-        element: &'static str,
+        /// The key of the body asked for.
+        body: &'static str,
     },
     /// Elements of hexahedra are compared with others.
     #[error(

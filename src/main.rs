@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use subsolid::Error;
 use subsolid::pipeline::choice::Cells;
-use subsolid::pipeline::hexes::compare_elements;
+use subsolid::pipeline::hexes::{HexSubdivision, compare_elements, subdivide_hexes};
 use subsolid::pipeline::inspect::{Inspection, inspect};
 use subsolid::pipeline::subdivide::{Subdivision, subdivide};
 use subsolid::pipeline::verify::{Verification, verify};
@@ -72,7 +72,10 @@ fn main() -> ExitCode {
         }
         Command::Subdivide(arguments) => {
             set_threads(&arguments.common);
-            finish(subdivide(&subdivision(arguments)).map(drop))
+            finish(match arguments.scheme.of_tetrahedra() {
+                Some(scheme) => subdivide(&subdivision(arguments, scheme)).map(drop),
+                None => subdivide_hexes(&hex_subdivision(arguments)).map(drop),
+            })
         }
         Command::Inspect { mesh, feature_angle, common } => {
             set_threads(&common);
@@ -86,7 +89,7 @@ fn main() -> ExitCode {
 }
 
 /// What `subdivide` is told, in the library's words.
-fn subdivision(arguments: cli::Subdivide) -> Subdivision {
+fn subdivision(arguments: cli::Subdivide, scheme: Scheme) -> Subdivision {
     let quiet = is_quiet(&arguments.common);
     let cli::Subdivide { mesh, feature_angle, edges, corners, output, frames, common: Common { json, .. }, .. } =
         arguments;
@@ -94,20 +97,18 @@ fn subdivision(arguments: cli::Subdivide) -> Subdivision {
     if mode == Mode::Best && measure != QualityMeasure::MinSine {
         refuse("--measure is for the published operations: use it with --optimise paper");
     }
-    let scheme = arguments.scheme.into();
     let curvature = matches!(arguments.select, Some(CellsName::Curvature));
     if json.as_ref() == Some(&output) {
         refuse("--json and --output name the same file");
     }
     for (option, idle) in [
         ("--boundary is for --scheme sqrt3", arguments.boundary.is_some() && scheme != Scheme::Sqrt3),
+        ("--variant is for --scheme catmull-clark", arguments.variant.is_some()),
+        ("--interpolate is for --scheme catmull-clark", arguments.interpolate),
         ("--curvature-angle is for --select curvature", arguments.curvature_angle.is_some() && !curvature),
         ("--select is for one step or more", arguments.select.is_some() && arguments.steps == 0),
     ] {
-        if idle {
-            // With standard error closed there is nobody left to tell.
-            let _ = writeln!(std::io::stderr(), "warning: {option}: here it has no effect");
-        }
+        warn_if_idle(option, idle);
     }
     let boundary = arguments.boundary.unwrap_or(BoundaryName::Approximating).into();
     let optimise = Optimise { mode, measure, ..Optimise::default() };
@@ -135,6 +136,42 @@ fn subdivision(arguments: cli::Subdivide) -> Subdivision {
         frames,
         quiet,
         json,
+    }
+}
+
+/// What `subdivide` is told about hexahedra, in the library's words.
+fn hex_subdivision(arguments: cli::Subdivide) -> HexSubdivision {
+    let quiet = is_quiet(&arguments.common);
+    let cli::Subdivide { mesh, feature_angle, edges, corners, output, common: Common { json, .. }, .. } = arguments;
+    if json.as_ref() == Some(&output) {
+        refuse("--json and --output name the same file");
+    }
+    if arguments.frames.is_some() {
+        refuse("--frames is for tetrahedra: a step of --scheme catmull-clark has one stage");
+    }
+    if !matches!(arguments.select, None | Some(CellsName::All)) {
+        refuse("--scheme catmull-clark refines all cells: leave out --select");
+    }
+    warn_if_idle("--boundary is for --scheme sqrt3", arguments.boundary.is_some());
+    warn_if_idle("--curvature-angle is for --select curvature", arguments.curvature_angle.is_some());
+    HexSubdivision {
+        mesh,
+        steps: arguments.steps.into(),
+        variant: arguments.variant.map(Into::into).unwrap_or_default(),
+        interpolate: arguments.interpolate,
+        feature_angle,
+        edges,
+        corners,
+        output,
+        quiet,
+        json,
+    }
+}
+
+fn warn_if_idle(option: &str, idle: bool) {
+    if idle {
+        // With standard error closed there is nobody left to tell.
+        let _ = writeln!(std::io::stderr(), "warning: {option}: here it has no effect");
     }
 }
 

@@ -1,6 +1,7 @@
 //! What VTK files say of the whole mesh: the names of regions and groups, and the units.
 
 use super::options::Units;
+use crate::mesh::hex::HexMesh;
 use crate::mesh::{GroupId, Tagged, TetMesh};
 use std::fmt::Write as _;
 
@@ -19,6 +20,25 @@ pub(super) fn arrays(mesh: &TetMesh, units: &Units) -> String {
         for (group, [a, b, c]) in faces {
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{group} {a} {b} {c}");
+        }
+        text += "</DataArray>";
+    }
+    text
+}
+
+/// As [`arrays`], of hexahedra: `group_quads` has rows of a group and four points.
+#[must_use]
+pub(super) fn hex_arrays(mesh: &HexMesh, units: &Units) -> String {
+    let mut text = names(mesh, units);
+    let rows = |group: u32| mesh.group_faces(GroupId(group)).map(move |f| (group, mesh.faces()[f].vertices));
+    let faces: Vec<(u32, [u32; 4])> = (0..mesh.groups().len() as u32).flat_map(rows).collect();
+    if !faces.is_empty() {
+        let count = faces.len();
+        let head = "<DataArray type=\"Int64\" Name=\"group_quads\" NumberOfComponents=\"5\"";
+        text += &format!("{head} NumberOfTuples=\"{count}\" format=\"ascii\">");
+        for (group, [a, b, c, d]) in faces {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{group} {a} {b} {c} {d}");
         }
         text += "</DataArray>";
     }

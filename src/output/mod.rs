@@ -11,6 +11,7 @@ pub mod elements;
 mod error;
 mod field_data;
 pub mod frames;
+pub mod hex_mesh;
 pub mod hex_vtk;
 pub mod options;
 pub mod plot;

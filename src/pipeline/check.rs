@@ -2,11 +2,12 @@
 
 use super::describe::{self, MeshDetails, word};
 use super::forecast::{self, Forecast};
+use super::hexes::check_hexes;
 use super::inspect::{describe_groups, describe_mesh};
 use super::resolve::{Resolved, check_supports, choose_materials};
 use super::{RunOptions, load, print, resolve, wrapped};
 use crate::error::Error;
-use crate::mesh::TetMesh;
+use crate::mesh::{Tagged, TetMesh};
 use crate::output::options::Units;
 use crate::output::report::write_json;
 use crate::output::table::{count, figures, short, table, text, units};
@@ -22,6 +23,9 @@ const DIGITS: usize = 6;
 /// # Errors
 /// All that a run would report before it solves.
 pub fn check(scenario: &Scenario, options: &RunOptions) -> Result<(), Error> {
+    if let Some(hexes) = scenario.hexes {
+        return check_hexes(scenario, hexes, options);
+    }
     let start = Instant::now();
     let file = load::load(scenario)?;
     let given_groups = file.mesh.groups().len();
@@ -68,7 +72,7 @@ pub fn check(scenario: &Scenario, options: &RunOptions) -> Result<(), Error> {
     print(&text)
 }
 
-fn describe_materials(scenario: &Scenario, mesh: &TetMesh) -> Result<String, Error> {
+pub(super) fn describe_materials(scenario: &Scenario, mesh: &impl Tagged) -> Result<String, Error> {
     let mut rows = table("region|material|Young's modulus|Poisson's ratio|density");
     for (region, m) in mesh.region_names().iter().zip(choose_materials(&scenario.materials, mesh)?) {
         let density = m.density.map_or_else(|| "-".to_owned(), |d| short(d, DIGITS));

@@ -72,15 +72,15 @@ pub fn with_features(
     edges: Option<&Path>,
     corners: Option<&Path>,
 ) -> Result<TetMesh, MeshError> {
-    let edges = edges.map(|path| tagged_edges(&mesh, path)).transpose()?.unwrap_or_default();
-    let corners = corners.map(|path| tagged_corners(&mesh, path)).transpose()?.unwrap_or_default();
+    let edges = edges.map(|path| tagged_edges(&topology::edges(mesh.tets()), path)).transpose()?.unwrap_or_default();
+    let corners = corners.map(|path| tagged_corners(mesh.points().len(), path)).transpose()?.unwrap_or_default();
     let mut parts = features::with_creases(mesh, angle, &edges).into_parts();
     parts.corners.extend(corners);
     TetMesh::new(parts)
 }
 
-fn tagged_edges(mesh: &TetMesh, path: &Path) -> Result<Vec<[u32; 2]>, MeshError> {
-    let known = topology::edges(mesh.tets());
+/// The edges that a file lists, which must be among the `known` ones (sorted).
+pub(super) fn tagged_edges(known: &[[u32; 2]], path: &Path) -> Result<Vec<[u32; 2]>, MeshError> {
     let mut tagged = Vec::new();
     for (line, edge) in read_list(path, "a vertex of an edge")? {
         if known.binary_search(&topology::sorted2(edge)).is_err() {
@@ -92,8 +92,8 @@ fn tagged_edges(mesh: &TetMesh, path: &Path) -> Result<Vec<[u32; 2]>, MeshError>
     Ok(tagged)
 }
 
-fn tagged_corners(mesh: &TetMesh, path: &Path) -> Result<Vec<u32>, MeshError> {
-    let count = mesh.points().len();
+/// The vertices that a file lists, of `count`.
+pub(super) fn tagged_corners(count: usize, path: &Path) -> Result<Vec<u32>, MeshError> {
     let mut corners = Vec::new();
     for (line, [v]) in read_list(path, "a vertex number")? {
         if v as usize >= count {

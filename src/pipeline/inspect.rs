@@ -1,8 +1,11 @@
 //! `subsolid inspect`: what a mesh file holds.
 
 use super::describe::{self, MeshDetails, Region};
+use super::hexes::{self, HexReport};
 use super::{load, print, select, span, wrapped};
 use crate::error::Error;
+use crate::mesh::hex::read::HexFile;
+use crate::mesh::read::AnyMesh;
 use crate::mesh::{GroupId, Tagged as _, TetMesh, features, quality, read, topology};
 use crate::output::report::write_json;
 use crate::output::table::{table, text};
@@ -25,10 +28,13 @@ pub struct Inspection {
 /// Reads a mesh and prints its counts, groups, regions and quality.
 ///
 /// # Errors
-/// [`Error::Mesh`] if it cannot be read, [`Error::Output`] if the JSON file cannot be written.
+/// [`Error::Mesh`] or [`Error::Hex`] if it cannot be read, [`Error::Output`] if the JSON file cannot be written.
 pub fn inspect(inspection: &Inspection) -> Result<(), Error> {
     let start = Instant::now();
-    let file = read::read(&load::find(&inspection.mesh, Path::new(""))?)?;
+    let file = match read::read_any(&load::find(&inspection.mesh, Path::new(""))?)? {
+        AnyMesh::Tets(file) => file,
+        AnyMesh::Hexes(file) => return inspect_hexes(inspection, *file, start),
+    };
     let mesh = features::with_creases(file.mesh, inspection.feature_angle, &[]);
     if let Some(path) = &inspection.json {
         write_json(path, &MeshDetails::of(&mesh, mesh.groups().len(), start.elapsed().as_secs_f64()))?;
@@ -41,6 +47,20 @@ pub fn inspect(inspection: &Inspection) -> Result<(), Error> {
     text += &describe_regions(&mesh);
     text += &describe_groups(&mesh, mesh.groups().len());
     print(&text)
+}
+
+fn inspect_hexes(inspection: &Inspection, file: HexFile, start: Instant) -> Result<(), Error> {
+    let mesh = file.mesh.with_creases(inspection.feature_angle, &[]);
+    let report = HexReport::of(&mesh, start.elapsed().as_secs_f64());
+    if let Some(path) = &inspection.json {
+        write_json(path, &report)?;
+    }
+    if inspection.quiet {
+        return Ok(());
+    }
+    let mut text = report.table(&mesh, file.format);
+    file.notes.iter().for_each(|note| text += &wrapped(&format!("note: {note}")));
+    print(&(text + &hexes::describe::parts(&mesh)))
 }
 
 /// The measures beside the minimum dihedral angle that Burkhart, Hamann and Umlauf 2010 name.

@@ -25,9 +25,11 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
     let names: Vec<&str> = supports.iter().map(|s| s.name.as_str()).collect();
     let known = raw.exact.is_some();
     let quantities = wanted::quantities(raw.quantities.unwrap_or_default(), &names, &place)?;
-    let (element, hexes) = elements(raw.analysis.map(|t| t.value))?;
+    let midside_key = raw.mesh.as_ref().and_then(|m| m.value.midside.clone());
+    let body = mesh(raw.mesh)?;
+    let (element, hexes) = elements(raw.analysis.map(|t| t.value), &body)?;
     warnings.extend(locking(&materials, element));
-    let midside = midside(raw.mesh.as_ref(), element)?;
+    let midside = midside(midside_key, element)?;
     let has_goal = raw.adapt.as_ref().is_some_and(|t| t.value.goal.is_some());
     let refine = refine(raw.refine.map(|t| t.value), hexes, has_goal, &mut warnings)?;
     let asked = refine.stop.relative_error.is_some();
@@ -39,7 +41,7 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
         overrides: Vec::new(),
         title: raw.title.unwrap_or_default(),
         description: raw.description.unwrap_or_default(),
-        mesh: mesh(raw.mesh)?,
+        mesh: body,
         features: features(raw.features)?,
         materials,
         supports,
@@ -62,7 +64,7 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
 }
 
 /// The element of tetrahedra, and that of hexahedra if it is one.
-fn elements(raw: Option<RawAnalysis>) -> Checked<(Element, Option<Hexes>)> {
+fn elements(raw: Option<RawAnalysis>, body: &MeshSource) -> Checked<(Element, Option<Hexes>)> {
     let Some(raw) = raw else { return Ok((Element::default(), None)) };
     let kind = raw.element.as_ref().map_or(Ok(Element::default()), |e| e.get_ref().kind());
     let smooth = kind.is_err_and(HexElement::is_smooth);
@@ -76,16 +78,22 @@ fn elements(raw: Option<RawAnalysis>) -> Checked<(Element, Option<Hexes>)> {
         (.., Some(splits)) if !smooth => return idle(splits.span(), "Catmull-Clark solids", "catmull-clark"),
         _ => {}
     }
+    if let Some(interpolate) = raw.interpolate.as_ref().filter(|_| !smooth) {
+        return idle(interpolate.span(), "Catmull-Clark solids", "catmull-clark");
+    }
+    // The vertices of generated bodies lie on them.
+    let is_round = matches!(body, MeshSource::Shape(shape) if shape.is_curved());
+    let interpolate = smooth && raw.interpolate.map_or(is_round, Spanned::into_inner);
     let points = raw.points.map(|n| integer(&n, 2..=10)).transpose()?;
     let splits = raw.splits.map(|n| integer(&n, 0..=3)).transpose()?.unwrap_or(0);
     let options =
         HexOptions { masks: raw.masks.map(|m| *m.get_ref()).unwrap_or_default(), points, splits: splits as u32 };
-    Ok((kind.unwrap_or_default(), kind.err().map(|element| Hexes { element, options })))
+    Ok((kind.unwrap_or_default(), kind.err().map(|element| Hexes { element, options, interpolate })))
 }
 
 /// What becomes of mid-side nodes; curved edges need elements with nodes on them.
-fn midside(mesh: Option<&Table<RawMesh>>, element: Element) -> Checked<Midside> {
-    let Some(midside) = mesh.and_then(|m| m.value.midside.as_ref()) else { return Ok(Midside::default()) };
+fn midside(midside: Option<Spanned<Midside>>, element: Element) -> Checked<Midside> {
+    let Some(midside) = midside else { return Ok(Midside::default()) };
     if *midside.get_ref() == Midside::Curved && element == Element::Tet4 {
         let fault = Fault::new(midside.span(), "curves the edges of ten-node elements only", "without these");
         return Err(fault.help("leave out analysis.element = \"tet4\""));

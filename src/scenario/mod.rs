@@ -104,6 +104,8 @@ pub struct Hexes {
     pub element: HexElement,
     /// How it is made and integrated.
     pub options: HexOptions,
+    /// `analysis.interpolate`: whether a Catmull-Clark solid goes through the mesh's vertices; else they are control points.
+    pub interpolate: bool,
 }
 
 /// Where the mesh comes from.

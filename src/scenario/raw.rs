@@ -271,6 +271,7 @@ pub(super) struct RawAnalysis {
     pub masks: Option<Spanned<CatmullClark>>,
     pub points: Option<Integer>,
     pub splits: Option<Integer>,
+    pub interpolate: Option<Spanned<bool>>,
 }
 
 /// The finite element, of tetrahedra or of hexahedra.

@@ -6,6 +6,10 @@ use glam::DVec3;
 /// Why a hexahedral mesh cannot be used.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum HexError {
+    /// A file cannot be read, or does not hold such a mesh.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    File(#[from] crate::mesh::MeshError),
     /// There is nothing to compute on.
     #[error("the mesh has no hexahedra")]
     #[diagnostic(help(
@@ -136,6 +140,26 @@ pub enum HexError {
         /// Its middle.
         at: DVec3,
     },
+    /// No control points whose limit is given.
+    #[error("no control points were found whose limit passes through vertex {vertex} at ({:.4}, {:.4}, {:.4})", at.x, at.y, at.z)]
+    #[diagnostic(help("take the vertices as control points instead, or refine the mesh there"))]
+    NoInterpolation {
+        /// Where the miss is largest.
+        vertex: usize,
+        /// Its position.
+        at: DVec3,
+    },
+    /// More cells than can be.
+    #[error("{cells} hexahedra split into eight each, {steps} times, are more than {most}")]
+    #[diagnostic(help("ask for fewer steps"))]
+    TooManyCells {
+        /// Cells there are.
+        cells: usize,
+        /// Steps asked for.
+        steps: usize,
+        /// The most there may be.
+        most: usize,
+    },
     /// Lists that do not fit together.
     #[error("the parts of the mesh do not fit together: {0}")]
     Inconsistent(String),
@@ -176,10 +200,14 @@ pub(super) fn check_vertices(count: usize, cells: &[[u32; 8]]) -> Result<(), Hex
     Ok(())
 }
 
-/// The Jacobian of a trilinear cell must be positive at its corners.
-pub(super) fn check_cells(parts: &HexMeshParts) -> Result<(), HexError> {
-    for (cell, &vertices) in parts.cells.iter().enumerate() {
-        let points = vertices.map(|v| parts.points[v as usize]);
+/// Cells of vertices that exist must have eight, and the Jacobian of each must be positive at its corners.
+///
+/// # Errors
+/// [`HexError::VertexOutOfRange`], [`HexError::RepeatedVertex`], [`HexError::Twisted`].
+pub(crate) fn check_cells(points: &[DVec3], cells: &[[u32; 8]]) -> Result<(), HexError> {
+    check_vertices(points.len(), cells)?;
+    for (cell, &vertices) in cells.iter().enumerate() {
+        let points = vertices.map(|v| points[v as usize]);
         for corner in 0..8 {
             let at = DVec3::new((corner & 1) as f64, (corner >> 1 & 1) as f64, (corner >> 2) as f64);
             let frame = jacobian(&points, at);

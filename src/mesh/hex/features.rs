@@ -99,3 +99,42 @@ fn hangs(items: &[u32], related: impl Fn(u32, u32) -> bool) -> bool {
     }
     reached.len() == items.len()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::hex::{FACES, HexMeshParts, QuadFace};
+    use crate::mesh::{PatchId, RegionId};
+
+    /// Two cells that share two faces cannot both have corners that are not twisted; refinement may still meet them.
+    #[test]
+    fn two_cells_at_an_interior_edge_are_refused_by_name() {
+        let cells = vec![[0, 1, 2, 3, 4, 5, 6, 7], [1, 8, 3, 2, 5, 9, 7, 6]];
+        let points = [
+            [0, 0, 0],
+            [2, 0, 0],
+            [0, 2, 0],
+            [1, 1, 0],
+            [0, 0, 1],
+            [2, 0, 1],
+            [0, 2, 1],
+            [1, 1, 1],
+            [4, 4, 0],
+            [4, 4, 1],
+        ];
+        let own = |t: usize| FACES.map(|f| f.map(|c| cells[t][c]));
+        let inner = |f: &[u32; 4]| f.contains(&3) && f.contains(&7);
+        let faces = [own(0), own(1)].concat().into_iter().filter(|f| !inner(f));
+        let mesh = HexMesh::refined(HexMeshParts {
+            points: points.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect(),
+            faces: faces.map(|vertices| QuadFace { vertices, patch: PatchId(0) }).collect(),
+            regions: vec![RegionId(0); 2],
+            region_names: vec!["solid".to_owned()],
+            patches: vec![Vec::new()],
+            cells,
+            ..HexMeshParts::default()
+        });
+        let refused = mesh.unwrap().with_creases(30.0, &[]).check_smoothable();
+        assert!(matches!(refused, Err(HexError::LowValence { edge: [3, 7], cells: 2, .. })), "{refused:?}");
+    }
+}

@@ -6,9 +6,11 @@
 mod error;
 pub mod features;
 pub mod generate;
+pub mod read;
 mod topology;
 
 pub use error::HexError;
+pub(crate) use error::check_cells;
 pub use topology::{HexTopology, NONE};
 
 use super::{Crease, GroupId, MeshError, PatchId, RegionId, Tagged};
@@ -81,8 +83,7 @@ impl HexMesh {
     /// shared by more than two cells, a boundary face that is missing or foreign.
     pub fn new(parts: HexMeshParts) -> Result<Self, HexError> {
         error::check_lists(&parts)?;
-        error::check_vertices(parts.points.len(), &parts.cells)?;
-        error::check_cells(&parts)?;
+        check_cells(&parts.points, &parts.cells)?;
         Self::refined(parts)
     }
 

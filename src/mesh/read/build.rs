@@ -14,6 +14,7 @@ use std::path::Path;
 
 /// Makes the mesh.
 pub(super) fn build(path: &Path, format: &'static str, mut raw: Raw, edges: Edges) -> Result<MeshFile, MeshError> {
+    refuse_hexahedra(path, &raw)?;
     if raw.tets.nodes.is_empty() {
         return Err(MeshError::NoCells);
     }
@@ -42,7 +43,7 @@ pub(super) fn build(path: &Path, format: &'static str, mut raw: Raw, edges: Edge
 
     let points = positions(std::mem::take(&mut raw.nodes.positions), &vertices);
     notes.extend(flip_if_all_inverted(&points, &mut tets));
-    let (regions, region_names) = regions(path, &raw)?;
+    let (regions, region_names) = regions(path, &raw.tets, &raw)?;
     let repeated = |cells| repeated(path, cells, &tets, &raw, &vertices);
     let connection = topology::connect(&tets).map_err(repeated)?;
     let faces = &connection.faces;
@@ -62,6 +63,23 @@ pub(super) fn build(path: &Path, format: &'static str, mut raw: Raw, edges: Edge
     notes.extend(coincident(&mesh));
     notes.extend(loose_parts(&mesh));
     Ok(MeshFile { mesh, format, notes, midsides, inner_groups })
+}
+
+/// Refuses files with hexahedra.
+fn refuse_hexahedra(path: &Path, raw: &Raw) -> Result<(), MeshError> {
+    let (hexes, tets) = (raw.hexes.nodes.len(), raw.tets.nodes.len());
+    if hexes == 0 {
+        return Ok(());
+    }
+    let beside = if tets == 0 { "no".to_owned() } else { tets.to_string() };
+    let message = format!(
+        "element {} is a hexahedron; the mesh has {hexes} hexahedra and {beside} tetrahedra, and this element needs \
+         tetrahedra alone",
+        raw.hexes.ids.get(0)
+    );
+    let help = "mesh the volume with tetrahedra alone (no recombination, no extruded layers), or with hexahedra alone and \
+                choose analysis.element = \"catmull-clark\" or \"hex8\"";
+    Err(error_at(path, raw.place(&raw.hexes.places, 0), message, help))
 }
 
 /// Refuses a tetrahedron, of nodes as places in the file's list, that uses a node twice.

@@ -153,7 +153,7 @@ pub(super) struct Place<'a> {
     pub(super) physicals: &'a [i32],
 }
 
-/// Takes the nodes of an element of a Gmsh type. Points, lines and quadrangles give nothing.
+/// Takes the nodes of an element of a Gmsh type. Points and lines give nothing.
 pub(super) fn element(
     source: &mut impl Source,
     id: u32,
@@ -179,40 +179,58 @@ pub(super) fn element(
             let region = place.physicals.first().copied().unwrap_or(0);
             raw.tets.push(id, nodes, region, source.place());
         }
-        _ => match skipped(kind) {
-            Some(nodes) => {
-                for _ in 0..nodes {
-                    source.id("a node of an element")?;
-                }
+        3 | 10 | 16 => {
+            let nodes = source.ids("a node of the quadrangle")?;
+            skip_nodes(source, [(10, 5), (16, 4)].iter().find(|k| k.0 == kind).map_or(0, |k| k.1))?;
+            let physicals = if place.physicals.is_empty() { &[0] } else { place.physicals };
+            physicals.iter().for_each(|&p| raw.quad(id, nodes, [p, place.entity], source.place()));
+        }
+        5 | 12 | 17 => {
+            let nodes = source.ids("a node of the hexahedron")?;
+            raw.hex(id, nodes, place.physicals.first().copied().unwrap_or(0), source.place());
+            if kind != 5 {
+                let mids = source.ids("a mid-side node of the hexahedron")?;
+                raw.hex_midsides(id, MidsideOrder::Gmsh, mids, source.place());
+                // In the middle of faces and of the cell.
+                skip_nodes(source, if kind == 12 { 7 } else { 0 })?;
             }
+        }
+        _ => match skipped(kind) {
+            Some(nodes) => skip_nodes(source, nodes)?,
             None => return refuse(source, id, kind),
         },
     }
     source.end_entry()
 }
 
-/// The number of nodes of points, lines and quadrangles, which are not needed.
+/// Passes over nodes.
+fn skip_nodes(source: &mut impl Source, count: usize) -> Result<(), MeshError> {
+    (0..count).try_for_each(|_| source.id("a node of an element").map(drop))
+}
+
+/// The number of nodes of points and lines, which are not needed.
 fn skipped(kind: u32) -> Option<usize> {
     Some(match kind {
         15 => 1,
         1 => 2,
         8 => 3,
-        3 | 26 => 4,
+        26 => 4,
         27 => 5,
         28 => 6,
-        16 => 8,
-        10 => 9,
         _ => return None,
     })
 }
 
+const ALONE: &str =
+    "mesh the volume with tetrahedra alone (no recombination, no extruded layers), or with hexahedra alone";
+
 fn refuse(source: &impl Source, id: u32, kind: u32) -> Result<(), MeshError> {
     let (name, help) = match kind {
-        5 | 12 | 17 => ("a hexahedron", "mesh the volume with tetrahedra alone (no recombination, no extruded layers)"),
-        6 | 13 | 18 => ("a prism", "mesh the volume with tetrahedra alone (no recombination, no extruded layers)"),
-        7 | 14 | 19 => ("a pyramid", "mesh the volume with tetrahedra alone (no recombination, no extruded layers)"),
+        6 | 13 | 18 => ("a prism", ALONE),
+        7 | 14 | 19 => ("a pyramid", ALONE),
         20..=25 | 29..=36 => ("of third or higher order", "mesh with order 1 or 2 (Gmsh: -order 1)"),
         _ => ("of a type that is not read", "mesh the volume with tetrahedra of order 1 or 2"),
     };
-    Err(source.error(format!("element {id} (Gmsh type {kind}) is {name}; only tetrahedra are computed"), help))
+    Err(source
+        .error(format!("element {id} (Gmsh type {kind}) is {name}; only tetrahedra and hexahedra are computed"), help))
 }

@@ -143,7 +143,7 @@ fn elements(source: &mut impl Source, raw: &mut Raw, entities: &Entities) -> Res
                 "volume {entity} is in several physical groups ({physicals:?}): the first is its region."
             ));
         }
-        if dimension == 3 {
+        if dimension == 3 && matches!(kind, 4 | 11) {
             raw.tets.nodes.reserve(list.count.min(source.remaining() as usize / gmsh::ELEMENT_BYTES));
         }
         for j in 0..list.count {

@@ -2,18 +2,22 @@
 
 use super::error_at;
 use super::nodes::NONE;
-use super::raw::Raw;
+use super::raw::{Elements, Raw};
 use super::runs::Runs;
 use crate::mesh::{Face, GroupId, MeshError, PatchId, RegionId, topology};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Region of each cell, and the names: by ascending tag, one region a name.
-pub(super) fn regions(path: &Path, raw: &Raw) -> Result<(Vec<RegionId>, Vec<String>), MeshError> {
-    let tags = distinct(&raw.tets.tags);
+pub(super) fn regions<const N: usize>(
+    path: &Path,
+    cells: &Elements<N>,
+    raw: &Raw,
+) -> Result<(Vec<RegionId>, Vec<String>), MeshError> {
+    let tags = distinct(&cells.tags);
     if tags.len() > usize::from(u16::MAX) {
-        let message = format!("the tetrahedra lie in {} regions, at most {} are possible", tags.len(), u16::MAX);
-        return Err(error_at(path, raw.place(&raw.tets.places, 0), message, "merge physical volumes"));
+        let message = format!("the cells lie in {} regions, at most {} are possible", tags.len(), u16::MAX);
+        return Err(error_at(path, raw.place(&cells.places, 0), message, "merge physical volumes"));
     }
     let (ids, names) = number_names(&tags, |tag| match (tag, raw.region_names.get(&tag)) {
         (_, Some(name)) => name.clone(),
@@ -27,7 +31,7 @@ pub(super) fn regions(path: &Path, raw: &Raw) -> Result<(Vec<RegionId>, Vec<Stri
         }
         last.1.unwrap_or(RegionId(0))
     };
-    Ok((raw.tets.tags.iter().map(region).collect(), names))
+    Ok((cells.tags.iter().map(region).collect(), names))
 }
 
 /// The tags of a list.
@@ -58,7 +62,7 @@ pub(super) struct Groups {
     pub tagged: Vec<(usize, GroupId)>,
     /// Their names.
     pub names: Vec<String>,
-    /// How many triangles are no boundary faces.
+    /// How many triangles or quadrilaterals are no boundary faces.
     pub ignored: usize,
     /// Names of groups that such triangles have, sorted.
     pub inside: Vec<String>,
@@ -68,13 +72,19 @@ pub(super) struct Groups {
 ///
 /// The tags of the triangles name the groups. A file without any names them by the surfaces of the geometry.
 pub(super) fn groups(raw: &Raw, triangles: &[[u32; 3]], faces: &[[u32; 3]]) -> Groups {
-    let tagged = distinct(&raw.triangles.tags).iter().any(|&tag| tag != 0);
-    let tags = if tagged { &raw.triangles.tags } else { &raw.surfaces };
-    let find = |v: [u32; 3]| faces.binary_search_by_key(&topology::sorted3(v), |&f| topology::sorted3(f)).ok();
+    let find = |v: &[u32; 3]| faces.binary_search_by_key(&topology::sorted3(*v), |&f| topology::sorted3(f)).ok();
+    let places = triangles.iter().map(|v| Some(v).filter(|v| !v.contains(&NONE)).and_then(find));
+    grouped(raw, &raw.triangles.tags, &raw.surfaces, places)
+}
+
+/// Groups of boundary faces, given the place among these of each triangle or quadrilateral, if it is one.
+pub(super) fn grouped(raw: &Raw, tags: &Runs, surfaces: &Runs, places: impl Iterator<Item = Option<usize>>) -> Groups {
+    let tagged = distinct(tags).iter().any(|&tag| tag != 0);
+    let tags = if tagged { tags } else { surfaces };
     let mut found: Vec<(usize, i32)> = Vec::new();
     let (mut ignored, mut inside) = (0, BTreeSet::new());
-    for (&vertices, tag) in triangles.iter().zip(tags.iter()) {
-        match Some(vertices).filter(|v| !v.contains(&NONE)).and_then(find) {
+    for (place, tag) in places.zip(tags.iter()) {
+        match place {
             Some(face) => found.push((face, tag as i32)),
             None => {
                 ignored += 1;
@@ -97,10 +107,10 @@ pub(super) fn groups(raw: &Raw, triangles: &[[u32; 3]], faces: &[[u32; 3]]) -> G
 }
 
 /// Adds groups of the faces all whose corners a set of vertices holds. Names that groups have already stay theirs.
-pub(super) fn add_vertex_sets(
+pub(super) fn add_vertex_sets<const N: usize>(
     sets: Vec<(String, Vec<u32>)>,
     vertex_count: usize,
-    faces: &[[u32; 3]],
+    faces: &[[u32; N]],
     tagged: &mut Vec<(usize, GroupId)>,
     names: &mut Vec<String>,
 ) {
@@ -120,11 +130,18 @@ pub(super) fn add_vertex_sets(
     tagged.sort_unstable();
 }
 
-/// Faces with their patches, and the groups of each patch; patch 0 has none, others are numbered by first face.
+/// Faces with their patches, and the groups of each patch.
 pub(super) fn patches(faces: &[[u32; 3]], tagged: &[(usize, GroupId)]) -> (Vec<Face>, Vec<Vec<GroupId>>) {
+    let (of_face, patches) = patch_numbers(faces.len(), tagged);
+    let faces = faces.iter().zip(of_face).map(|(&vertices, patch)| Face { vertices, patch }).collect();
+    (faces, patches)
+}
+
+/// The patch of each face, and the groups of each patch; patch 0 has none, others are numbered by first face.
+pub(super) fn patch_numbers(faces: usize, tagged: &[(usize, GroupId)]) -> (Vec<PatchId>, Vec<Vec<GroupId>>) {
     let mut patches = vec![Vec::new()];
     let mut known = BTreeMap::from([(Vec::new(), PatchId(0))]);
-    let mut of_face = vec![PatchId(0); faces.len()];
+    let mut of_face = vec![PatchId(0); faces];
     for same in tagged.chunk_by(|a, b| a.0 == b.0) {
         let groups: Vec<GroupId> = same.iter().map(|(_, group)| *group).collect();
         of_face[same[0].0] = *known.entry(groups).or_insert_with_key(|groups| {
@@ -132,6 +149,5 @@ pub(super) fn patches(faces: &[[u32; 3]], tagged: &[(usize, GroupId)]) -> (Vec<F
             PatchId(patches.len() as u32 - 1)
         });
     }
-    let faces = faces.iter().zip(of_face).map(|(&vertices, patch)| Face { vertices, patch }).collect();
-    (faces, patches)
+    (of_face, patches)
 }

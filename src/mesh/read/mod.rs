@@ -11,6 +11,7 @@ mod gmsh;
 mod gmsh2;
 mod gmsh4;
 mod groups;
+pub mod hexes;
 mod lines;
 mod list;
 mod medit;
@@ -26,8 +27,10 @@ mod words;
 
 pub use list::read_list;
 
+use super::hex::HexError;
 use super::midside::Midside;
 use super::{MeshError, Place, TetMesh};
+use hexes::HexFile;
 use lines::Lines;
 use raw::Raw;
 use std::io::BufRead;
@@ -75,13 +78,40 @@ pub fn read(path: &Path) -> Result<MeshFile, MeshError> {
 /// [`MeshError::Unreadable`], [`MeshError::UnknownFormat`], [`MeshError::Syntax`] with the place, [`MeshError::NoCells`],
 /// and what [`TetMesh::new`] refuses, where cells and vertices are then named by the file's ids.
 pub fn read_with(path: &Path, edges: Edges) -> Result<MeshFile, MeshError> {
+    let (format, raw) = open(path)?;
+    build::build(path, format, raw, edges)
+}
+
+/// A mesh of one kind of cells or the other.
+#[derive(Debug, Clone)]
+pub enum AnyMesh {
+    /// Tetrahedra.
+    Tets(Box<MeshFile>),
+    /// Hexahedra.
+    Hexes(Box<HexFile>),
+}
+
+/// Reads a mesh of hexahedra if the file has any, with straight edges if they are tetrahedra.
+///
+/// # Errors
+/// As [`read_with`] and [`hexes::read`].
+pub fn read_any(path: &Path) -> Result<AnyMesh, HexError> {
+    let (format, raw) = open(path)?;
+    if raw.hexes.nodes.is_empty() {
+        return Ok(AnyMesh::Tets(Box::new(build::build(path, format, raw, Edges::Straight)?)));
+    }
+    Ok(AnyMesh::Hexes(Box::new(hexes::build(path, format, raw)?)))
+}
+
+/// The format and the lists of a file.
+fn open(path: &Path) -> Result<(&'static str, Raw), MeshError> {
     let open = || {
         let file = std::fs::File::open(path)?;
         let length = file.metadata()?.len();
         Ok((std::io::BufReader::with_capacity(1 << 16, file), length))
     };
     let (reader, length) = open().map_err(|source| unreadable(path, source))?;
-    parse(path, reader, length, edges)
+    lists(path, reader, length)
 }
 
 fn unreadable(path: &Path, source: std::io::Error) -> MeshError {
@@ -108,20 +138,24 @@ fn finite(x: f64, name: &str, node: u32) -> Result<(), (String, &'static str)> {
     Err((message, "every coordinate must be a finite number below 1.8e308"))
 }
 
-/// Reads a mesh from a file's content of `length` bytes; `path` is for messages, and says where files lie that this one
-/// names.
-fn parse(path: &Path, mut reader: impl BufRead, length: u64, edges: Edges) -> Result<MeshFile, MeshError> {
+/// Reads a mesh from a file's content of `length` bytes.
+#[cfg(test)]
+fn parse(path: &Path, reader: impl BufRead, length: u64, edges: Edges) -> Result<MeshFile, MeshError> {
+    let (format, raw) = lists(path, reader, length)?;
+    build::build(path, format, raw, edges)
+}
+
+/// The format and the lists of a file's content of `length` bytes; `path` is for messages, and says where files lie that this
+/// one names.
+fn lists(path: &Path, mut reader: impl BufRead, length: u64) -> Result<(&'static str, Raw), MeshError> {
     let mut raw = Raw::default();
     let head = reader.fill_buf().map_err(|source| unreadable(path, source))?;
     if gmsh::is_binary(head) {
-        let format = gmsh::read_binary(path, reader, length, &mut raw)?;
-        return build::build(path, format, raw, edges);
+        return Ok((gmsh::read_binary(path, reader, length, &mut raw)?, raw));
     }
     let mut bytes = Vec::new();
     reader.read_to_end(&mut bytes).map_err(|source| unreadable(path, source))?;
-    let format = parse_whole(path, &bytes, &mut raw)?;
-    drop(bytes);
-    build::build(path, format, raw, edges)
+    Ok((parse_whole(path, &bytes, &mut raw)?, raw))
 }
 
 /// Reads a file that is in memory.

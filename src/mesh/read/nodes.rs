@@ -83,7 +83,7 @@ impl<'a> Index<'a> {
 
 /// Numbers the nodes that cells use in the order of the file, in the cells too. Gives the node of each vertex and the
 /// vertex of each node.
-pub(super) fn number_vertices(tets: &mut [[u32; 4]], node_count: usize) -> (Vec<u32>, Vec<u32>) {
+pub(super) fn number_vertices<const N: usize>(tets: &mut [[u32; N]], node_count: usize) -> (Vec<u32>, Vec<u32>) {
     let mut vertex_of = vec![NONE; node_count];
     for &n in tets.iter().flatten() {
         vertex_of[n as usize] = 0;

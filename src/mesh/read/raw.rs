@@ -2,6 +2,7 @@
 
 use super::runs::Runs;
 use crate::mesh::Place;
+use crate::mesh::hex::from_vtk_order;
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -56,6 +57,11 @@ pub(super) enum MidsideOrder {
     Gmsh,
 }
 
+/// Places among the twelve edges of a cell, in the order of [`EDGES`](crate::mesh::hex::EDGES), from the order in which a
+/// format lists their mid-side nodes. VTK and Abaqus go round below, round above, and up.
+const HEX_VTK: [usize; 12] = [0, 2, 4, 6, 3, 1, 7, 5, 8, 9, 11, 10];
+const HEX_GMSH: [usize; 12] = [0, 5, 8, 11, 1, 3, 9, 10, 2, 4, 7, 6];
+
 /// The lists of a file.
 #[derive(Debug, Default)]
 pub(super) struct Raw {
@@ -71,6 +77,15 @@ pub(super) struct Raw {
     /// The mid-side nodes of second-order tetrahedra, in the order of [`EDGES`](crate::mesh::quality::EDGES); the tag is the
     /// place of the tetrahedron in `tets`.
     pub(super) midsides: Elements<6>,
+    /// Hexahedra with the tags of their regions; corners in the order of [`hex`](crate::mesh::hex).
+    pub(super) hexes: Elements<8>,
+    /// Quadrilaterals with the tags of their groups, as triangles.
+    pub(super) quads: Elements<4>,
+    /// Tag of the surface that each quadrilateral was made on, 0 if unknown.
+    pub(super) quad_surfaces: Runs,
+    /// The mid-side nodes of second-order hexahedra, in the order of [`EDGES`](crate::mesh::hex::EDGES); the tag is the place
+    /// of the hexahedron in `hexes`.
+    pub(super) hex_midsides: Elements<12>,
     pub(super) region_names: BTreeMap<i32, String>,
     pub(super) group_names: BTreeMap<i32, String>,
     /// Sets of nodes, each a group of the faces all whose corners it holds, unless a group has that name already.
@@ -92,6 +107,32 @@ impl Raw {
     pub(super) fn triangle(&mut self, id: u32, nodes: [u32; 3], [group, surface]: [i32; 2], place: u64) {
         self.triangles.push(id, nodes, group, place);
         self.surfaces.push(i64::from(surface));
+    }
+
+    /// Adds a hexahedron with corners in VTK's order, the same in all formats.
+    pub(super) fn hex(&mut self, id: u32, nodes: [u32; 8], tag: i32, place: u64) {
+        self.hexes.push(id, from_vtk_order(nodes), tag, place);
+    }
+
+    /// Adds the mid-side nodes of the last hexahedron.
+    pub(super) fn hex_midsides(&mut self, id: u32, order: MidsideOrder, nodes: [u32; 12], place: u64) {
+        let order = match order {
+            MidsideOrder::Vtk => HEX_VTK,
+            MidsideOrder::Gmsh => HEX_GMSH,
+        };
+        let cell = self.hexes.nodes.len().saturating_sub(1) as i32;
+        self.hex_midsides.push(id, order.map(|k| nodes[k]), cell, place);
+    }
+
+    /// Adds a quadrilateral with the tags of its group and of its surface.
+    pub(super) fn quad(&mut self, id: u32, nodes: [u32; 4], [group, surface]: [i32; 2], place: u64) {
+        self.quads.push(id, nodes, group, place);
+        self.quad_surfaces.push(i64::from(surface));
+    }
+
+    /// Number of elements listed so far.
+    pub(super) fn element_count(&self) -> usize {
+        self.tets.nodes.len() + self.triangles.nodes.len() + self.hexes.nodes.len() + self.quads.nodes.len()
     }
 
     /// The place of an entry.

@@ -1,22 +1,30 @@
 //! Scenarios on hexahedra: resolved, solved, estimated, refined globally and written, as those on tetrahedra are.
 
 mod analyse;
+mod check;
 mod compare;
+pub(super) mod describe;
 mod resolve;
 mod results;
 mod simulate;
+mod subdivide;
 
+pub(super) use check::check_hexes;
 pub use compare::compare_elements;
+pub use describe::HexReport;
+pub use subdivide::{HexSubdivision, subdivide_hexes};
 
 use super::RunOptions;
 use super::leftovers;
+use super::load::find;
 use super::run::{announce, conclude};
 use crate::error::Error;
+use crate::mesh::hex::read::read;
 use crate::mesh::hex::{HexMesh, generate};
 use crate::output::atomic::ensure_writable_dir;
 use crate::output::progress::Progress;
 use crate::output::report::Report;
-use crate::scenario::{Hexes, MeshSource, Scenario};
+use crate::scenario::{Hexes, MeshSource, Scenario, Shape};
 use resolve::{ResolvedHexes, resolve};
 use results::HexResults;
 use simulate::{Loop, simulate};
@@ -38,16 +46,30 @@ pub(super) fn execute(scenario: &Scenario, hexes: Hexes, options: &RunOptions) -
 
 /// Reads the mesh, resolves the scenario on it and checks that the supports hold it, before anything is written.
 fn prepare(scenario: &Scenario, hexes: Hexes, options: &RunOptions) -> Result<ResolvedHexes, Error> {
-    let problem = resolve(scenario, hexes, load(scenario, hexes)?)?;
+    let (mesh, notes) = load(scenario)?;
+    let problem = resolve(scenario, hexes, mesh)?;
     resolve::check_supports(scenario, &problem)?;
-    announce(scenario, options, &[], &problem.warnings)?;
+    announce(scenario, options, &notes, &problem.warnings)?;
     Ok(problem)
 }
 
-/// Reads or generates the mesh of a scenario.
-fn load(scenario: &Scenario, hexes: Hexes) -> Result<HexMesh, Error> {
-    match &scenario.mesh {
-        MeshSource::Box { size, cells } => Ok(generate::box_hexes(*size, *cells)?),
-        MeshSource::File(_) | MeshSource::Shape(_) => Err(Error::NotHexahedra { element: hexes.element.name() }),
-    }
+/// Reads or generates the mesh of a scenario, and what a user should know of it.
+fn load(scenario: &Scenario) -> Result<(HexMesh, Vec<String>), Error> {
+    let mesh = match &scenario.mesh {
+        MeshSource::Box { size, cells } => generate::box_hexes(*size, *cells)?,
+        MeshSource::File(file) => {
+            let file = read(&find(file, &scenario.directory)?)?;
+            return Ok((file.mesh, file.notes));
+        }
+        MeshSource::Shape(shape) => match *shape {
+            Shape::Cylinder { radius, length, cells: [rings, layers] } => {
+                generate::cylinder(radius, length, [rings, rings, layers])?
+            }
+            Shape::Tube { radii, length, cells, is_quarter } => generate::tube(radii, length, cells, is_quarter)?,
+            Shape::SphereShell { radii, cells } => generate::sphere_shell(radii, cells, true)?,
+            Shape::Prism { sides, radius, length, cells } => generate::prism(sides, radius, length, cells)?,
+            other => return Err(Error::NotHexahedra { body: other.key() }),
+        },
+    };
+    Ok((mesh, Vec::new()))
 }

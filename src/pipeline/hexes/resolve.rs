@@ -10,6 +10,7 @@ use crate::mesh::topology::sorted2;
 use crate::mesh::{Crease, GroupId};
 use crate::output::report::Selection;
 use crate::scenario::{Hexes, LoadKind, Scenario};
+use crate::subdiv::catmull_clark;
 use glam::DVec3;
 
 /// A hexahedral mesh and what is to be solved on it.
@@ -102,9 +103,12 @@ pub(super) fn resolve(scenario: &Scenario, hexes: Hexes, mesh: HexMesh) -> Resul
     let Targets { body: Bricks(mesh), selections, .. } = targets;
     let model = Model { materials: chosen.iter().map(|m| properties(m)).collect(), supports, loads };
     let mesh = with_features(scenario, &model, mesh)?;
-    if hexes.element.is_smooth() {
+    let mesh = if hexes.element.is_smooth() {
         mesh.check_smoothable()?;
-    }
+        if hexes.interpolate { catmull_clark::interpolated(mesh, hexes.options.masks)? } else { mesh }
+    } else {
+        mesh
+    };
     let mut problem = ResolvedHexes { mesh, hexes, model, quantities, exact, selections, warnings: Vec::new() };
     problem.warnings = warnings(scenario, &problem)?;
     Ok(problem)

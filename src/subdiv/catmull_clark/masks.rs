@@ -37,7 +37,7 @@ pub enum VertexKind {
 }
 
 /// Entries of a row.
-type Row = Vec<(u32, f64)>;
+pub(super) type Row = Vec<(u32, f64)>;
 
 impl<'a> Control<'a> {
     /// That of a mesh.
@@ -109,7 +109,7 @@ impl<'a> Control<'a> {
         })
     }
 
-    fn new_point(&self, item: Item, variant: CatmullClark, row: &mut Row) {
+    pub(super) fn new_point(&self, item: Item, variant: CatmullClark, row: &mut Row) {
         match item {
             Item::Cell(t) => self.cell(t, 1.0, row),
             Item::Face(f) if self.topology.is_boundary(f) => self.face(f, 1.0, row),
@@ -176,7 +176,7 @@ impl<'a> Control<'a> {
     }
 
     /// The faces at a vertex, ascending.
-    fn faces_at(&self, v: u32) -> Vec<u32> {
+    pub(super) fn faces_at(&self, v: u32) -> Vec<u32> {
         let topology = self.topology;
         let mut faces: Vec<u32> =
             topology.vertex_edges(v).iter().flat_map(|&e| topology.edge_faces(e)).copied().collect();
@@ -208,7 +208,7 @@ impl<'a> Control<'a> {
 }
 
 /// What gets a new vertex.
-enum Item {
+pub(super) enum Item {
     Vertex(u32),
     Edge(u32),
     Face(u32),

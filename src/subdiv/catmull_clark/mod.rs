@@ -4,10 +4,12 @@
 //! A step splits each cell into eight. New points are affine combinations of old ones, by masks that depend on connectivity
 //! and tags only, so the limit is a solid whose basis functions the room `limit` evaluates.
 
+mod limits;
 mod masks;
 mod split;
 mod stencils;
 
+pub use limits::interpolated;
 pub use masks::{Control, VertexKind};
 pub use split::{Split, child_lattice};
 pub use stencils::Stencils;

@@ -12,11 +12,13 @@ use elements::Kind;
 use sets::{Set, Sets};
 use std::path::Path;
 
-/// What the cards of a file say, beside its nodes and tetrahedra.
+/// What the cards of a file say, beside its nodes and solids.
 #[derive(Default)]
 struct Deck {
     /// Triangles: id, nodes, line.
     triangles: Vec<(u32, [u32; 3], u64)>,
+    /// Quadrilaterals: id, nodes, line.
+    quads: Vec<(u32, [u32; 4], u64)>,
     element_sets: Sets,
     node_sets: Sets,
     /// Surfaces with their entries.
@@ -25,7 +27,7 @@ struct Deck {
     sections: Vec<String>,
 }
 
-/// An entry of a surface: elements and one of their faces, S1 to S4; `None` for all of them.
+/// An entry of a surface: elements and one of their faces, S1 to S6; `None` for all of them.
 struct SurfaceEntry {
     elements: Set,
     side: Option<usize>,
@@ -45,7 +47,7 @@ pub(super) fn read(path: &Path, text: &str, raw: &mut Raw) -> Result<&'static st
             "ELEMENT" => skipped += read_elements(&card, &mut cards, raw, &mut deck)?,
             "NSET" => sets::read(&card, &mut cards, "NSET", &mut deck.node_sets)?,
             "ELSET" => sets::read(&card, &mut cards, "ELSET", &mut deck.element_sets)?,
-            "SURFACE" => surface(&card, &mut cards, &mut deck)?,
+            "SURFACE" => surface(&card, &mut cards, raw, &mut deck)?,
             "SOLIDSECTION" => deck.sections.push(card.value("ELSET")?.to_owned()),
             "PART" if parts == 0 => parts = 1,
             "PART" => {
@@ -66,13 +68,16 @@ pub(super) fn read(path: &Path, text: &str, raw: &mut Raw) -> Result<&'static st
             other => ignored.push(other.to_owned()),
         }
     }
-    for (there, name) in [(nodes, "*NODE"), (!raw.tets.nodes.is_empty() || !deck.triangles.is_empty(), "*ELEMENT")] {
+    for (there, name) in
+        [(nodes, "*NODE"), (raw.element_count() + deck.triangles.len() + deck.quads.len() > 0, "*ELEMENT")]
+    {
         if !there && skipped == 0 {
             return Err(cards.error_at_end(format!("there is no {name} card with data"), "write the file again"));
         }
     }
     if skipped > 0 {
-        raw.notes.push(format!("{skipped} lines of elements that are no tetrahedra or triangles are ignored."));
+        raw.notes
+            .push(format!("{skipped} lines of elements that are no solids, triangles or quadrilaterals are ignored."));
     }
     if !ignored.is_empty() {
         let list: Vec<String> = ignored.iter().map(|keyword| format!("*{keyword}")).collect();
@@ -120,6 +125,13 @@ fn read_elements(card: &Card, cards: &mut Cards, raw: &mut Raw, deck: &mut Deck)
                     raw.midsides(id, MidsideOrder::Vtk, [e, f, g, h, i, j], cell, place);
                 }
             }
+            (Kind::Hex, &[a, b, c, d, e, f, g, h, ref mids @ ..]) => {
+                raw.hex(id, [a, b, c, d, e, f, g, h], 0, place);
+                if let Some(mids) = mids.first_chunk() {
+                    raw.hex_midsides(id, MidsideOrder::Vtk, *mids, place);
+                }
+            }
+            (Kind::Quad, &[a, b, c, d, ..]) => deck.quads.push((id, [a, b, c, d], place)),
             (Kind::Triangle, &[a, b, c, ..]) => deck.triangles.push((id, [a, b, c], place)),
             _ => {}
         }
@@ -132,7 +144,7 @@ fn read_elements(card: &Card, cards: &mut Cards, raw: &mut Raw, deck: &mut Deck)
 }
 
 /// Lines of an element or a set and the label of a face; of a node surface, of a node or a set.
-fn surface(card: &Card, cards: &mut Cards, deck: &mut Deck) -> Result<(), MeshError> {
+fn surface(card: &Card, cards: &mut Cards, raw: &Raw, deck: &mut Deck) -> Result<(), MeshError> {
     let name = card.value("NAME")?;
     if card.find("TYPE").is_some_and(|kind| kind.eq_ignore_ascii_case("NODE")) {
         let mut set = Set::default();
@@ -142,14 +154,18 @@ fn surface(card: &Card, cards: &mut Cards, deck: &mut Deck) -> Result<(), MeshEr
         deck.node_sets.add(name, set);
         return Ok(());
     }
+    let (sides, cell) = if raw.hexes.nodes.is_empty() { (4, "tetrahedron") } else { (6, "hexahedron") };
     let mut entries = Vec::new();
     while let Some(mut data) = cards.data() {
         let elements = deck.element_sets.parse(&mut data)?;
         let side = match data.word().to_ascii_uppercase().as_str() {
             "" | "SPOS" | "SNEG" => None,
             label => match label.strip_prefix('S').and_then(|n| n.parse().ok()) {
-                Some(n @ 1..=4) => Some(n),
-                _ => return Err(data.error(format!("face {label:?}, expected S1 to S4"), "name a tetrahedron's face")),
+                Some(n) if (1..=sides).contains(&n) => Some(n),
+                _ => {
+                    let message = format!("face {label:?}, expected S1 to S{sides}");
+                    return Err(data.error(message, &format!("name a {cell}'s face")));
+                }
             },
         };
         entries.push(SurfaceEntry { elements, side });

@@ -85,8 +85,7 @@ fn ten_node_cells_give_their_corners() {
 
 #[test]
 fn what_is_not_read_is_refused_with_its_line() {
-    assert_fault(&INP.replace("type=C3D4", "type=C3D8R"), 10, &["C3D8R", "hexahedra are not supported yet"]);
-    assert_fault(&INP.replace("type=C3D4", "type=C3D20"), 10, &["hexahedra are not supported yet"]);
+    assert_fault(&INP.replace("type=C3D4", "type=C3D8R"), 13, &["element 101", "more than the 8 nodes"]);
     assert_fault(&INP.replace("type=C3D4", "type=C3D6"), 10, &["wedges"]);
     assert_fault(&INP.replace("*STEP\n", "*INCLUDE, INPUT=more.inp\n"), 35, &["*INCLUDE", "more.inp"]);
     assert_fault(&INP.replace("*STEP\n", "*PART\n*PART\n"), 36, &["second *PART"]);

@@ -9,7 +9,7 @@ const TEXTS: [&str; 6] = [MSH2, MSH4, GID, INP, MEDIT, VTK];
 
 /// One way to spoil a text.
 #[derive(Debug, Clone)]
-enum Damage {
+pub(super) enum Damage {
     Truncate(prop::sample::Index),
     DeleteLine(prop::sample::Index),
     RepeatLine(prop::sample::Index),
@@ -39,7 +39,7 @@ const ODD_TOKENS: [&str; 18] = [
     ",",
 ];
 
-fn damage() -> impl Strategy<Value = Damage> {
+pub(super) fn damage() -> impl Strategy<Value = Damage> {
     let place = any::<prop::sample::Index>;
     prop_oneof![
         place().prop_map(Damage::Truncate),
@@ -51,7 +51,7 @@ fn damage() -> impl Strategy<Value = Damage> {
     ]
 }
 
-fn apply(text: &str, damage: &Damage) -> String {
+pub(super) fn apply(text: &str, damage: &Damage) -> String {
     let mut lines: Vec<&str> = text.split_inclusive('\n').collect();
     // Tokens alternate with the white space after them.
     let mut tokens: Vec<&str> = text.split_inclusive([' ', '\n']).collect();

@@ -4,6 +4,7 @@ mod abaqus;
 mod damage;
 mod faults;
 mod formats;
+mod hexes;
 
 use super::*;
 use crate::mesh::{GroupId, RegionId, features::face_normal};

@@ -32,6 +32,9 @@ pub(super) struct Encoded<'a> {
 /// Larger blocks than so many times their compressed size cannot come of either method.
 const LARGEST_RATIO: usize = 1100;
 
+/// More bytes than nothing takes when it is compressed.
+const EMPTY: usize = 16;
+
 const CUT_OFF: &str = "the array is cut off";
 
 impl<'a> Encoded<'a> {
@@ -82,14 +85,25 @@ impl<'a> Encoded<'a> {
             return Err(CUT_OFF.to_owned());
         }
         let sizes = (0..first).map(|_| self.size(encoding)).collect::<Result<Vec<_>, _>>()?;
+        let damaged = |i: usize| format!("block {i} cannot be decompressed");
         let mut bytes = Vec::new();
         for (i, size) in sizes.into_iter().enumerate() {
-            let whole = if i + 1 == first && last > 0 { last } else { block };
+            let is_last = i + 1 == first;
+            let whole = if is_last && last > 0 { last } else { block };
+            // Of an array that fills its blocks some writers add a block of nothing.
+            if is_last && last == 0 && size < EMPTY {
+                let piece = self.take(size)?;
+                if decompress(&piece, 0, encoding.compressor).is_none() {
+                    let whole = whole.min(LARGEST_RATIO * EMPTY);
+                    bytes.extend(decompress(&piece, whole, encoding.compressor).ok_or_else(|| damaged(i))?);
+                }
+                continue;
+            }
             if whole > LARGEST_RATIO.saturating_mul(size).saturating_add(1000) {
                 return Err(format!("block {i} of {size} bytes cannot hold {whole} bytes"));
             }
             let decompressed = decompress(&self.take(size)?, whole, encoding.compressor);
-            bytes.extend(decompressed.ok_or_else(|| format!("block {i} cannot be decompressed"))?);
+            bytes.extend(decompressed.ok_or_else(|| damaged(i))?);
         }
         Ok(bytes)
     }
@@ -107,4 +121,38 @@ fn decompress(bytes: &[u8], size: usize, compressor: Compressor) -> Option<Vec<u
         }
     }
     (out.len() == size).then_some(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+
+    /// An array of 64 bytes in blocks of 32, with one more block of nothing or without.
+    fn array(compressor: Compressor, empty: bool) -> Vec<u8> {
+        let compress = |bytes: &[u8]| match compressor {
+            Compressor::Zlib => {
+                let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::default());
+                encoder.write_all(bytes).unwrap();
+                encoder.finish().unwrap()
+            }
+            _ => lz4_flex::block::compress(bytes),
+        };
+        let mut blocks = vec![compress(&[7; 32]), compress(&[8; 32])];
+        blocks.extend(empty.then(|| compress(&[])));
+        let header = [blocks.len() as u32, 32, 0].into_iter().chain(blocks.iter().map(|b| b.len() as u32));
+        header.flat_map(u32::to_le_bytes).chain(blocks.concat()).collect()
+    }
+
+    #[test]
+    fn an_array_that_fills_its_blocks_may_end_with_nothing() {
+        for compressor in [Compressor::Zlib, Compressor::Lz4] {
+            let encoding = Encoding { big_endian: false, header_bytes: 4, compressor };
+            for empty in [false, true] {
+                let bytes = array(compressor, empty);
+                let read = Encoded::new(&bytes, false).array(encoding).unwrap();
+                assert_eq!(read, [[7; 32], [8; 32]].concat(), "{compressor:?}, {empty}");
+            }
+        }
+    }
 }

@@ -3,6 +3,7 @@
 use super::super::raw::{MidsideOrder, Raw};
 use super::super::runs::Runs;
 use super::super::{error_at, finite};
+use crate::mesh::hex::to_vtk_order;
 use crate::mesh::{MeshError, Place};
 use glam::DVec3;
 use std::path::Path;
@@ -59,6 +60,10 @@ const DAMAGED: &str = "the file is damaged, or not written whole: write it again
 enum Kind {
     Tet,
     Triangle,
+    Hex,
+    /// A hexahedron with corners in our order.
+    Voxel,
+    Quad,
     Skipped,
     Refused(&'static str),
 }
@@ -67,10 +72,15 @@ fn kind(code: f64, points: usize) -> Kind {
     match (code as u8, points) {
         (10, 4) | (24 | 71, 10) | (71, 4) => Kind::Tet,
         (5, 3) | (22 | 69, 6) | (69, 3) => Kind::Triangle,
+        (12, 8) | (25, 20) | (29, 27) | (72, 8) => Kind::Hex,
+        (11, 8) => Kind::Voxel,
+        (9, 4) | (23, 8) | (28, 9) | (70, 4) => Kind::Quad,
         (1..=4 | 6..=9 | 21 | 23 | 28 | 30 | 34..=36 | 68 | 70, _) => Kind::Skipped,
         (10 | 24 | 71 | 78, _) => Kind::Refused("a tetrahedron with another number of points than 4 or 10"),
         (5 | 22 | 69, _) => Kind::Refused("a triangle with another number of points than 3 or 6"),
-        (11 | 12 | 25 | 29 | 33 | 72 | 79, _) => Kind::Refused("a hexahedron, which is not supported yet"),
+        (11 | 12 | 25 | 29 | 33 | 72 | 79, _) => {
+            Kind::Refused("a hexahedron with another number of points than 8, 20 or 27")
+        }
         (13 | 26 | 31 | 32 | 73 | 80, _) => Kind::Refused("a wedge, which is not supported yet"),
         (14 | 27 | 37 | 74, _) => Kind::Refused("a pyramid, which is not supported yet"),
         _ => Kind::Refused("of a type that is not read"),
@@ -106,7 +116,7 @@ impl Grid {
         }
         let tags = self.tags.iter().filter(|(_, values)| values.len() == self.types.len());
         let tags = tags.min_by_key(|(name, _)| rank(name)).map(|(_, values)| values);
-        let first_cell = (raw.tets.nodes.len() + raw.triangles.nodes.len()) as u32;
+        let first_cell = raw.element_count() as u32;
         let (mut begin, mut skipped) = (0, 0);
         for (i, &code) in self.types.iter().enumerate() {
             let (id, place) = (first_cell + i as u32, self.place_of(&self.cell_places, i));
@@ -160,10 +170,29 @@ impl Cell {
                 }
             }
             Kind::Triangle => raw.triangle(id, [node(0)?, node(1)?, node(2)?], [tag, 0], place),
+            Kind::Hex | Kind::Voxel => {
+                let mut nodes = [0; 8];
+                for (k, own) in nodes.iter_mut().enumerate() {
+                    *own = node(k)?;
+                }
+                if matches!(kind(code, points.len()), Kind::Voxel) {
+                    nodes = to_vtk_order(nodes);
+                }
+                raw.hex(id, nodes, tag, place);
+                if points.len() > 8 {
+                    let mut mids = [0; 12];
+                    for (k, own) in mids.iter_mut().enumerate() {
+                        *own = node(8 + k)?;
+                    }
+                    raw.hex_midsides(id, MidsideOrder::Vtk, mids, place);
+                }
+            }
+            Kind::Quad => raw.quad(id, [node(0)?, node(1)?, node(2)?, node(3)?], [tag, 0], place),
             Kind::Skipped => return Ok(1),
             Kind::Refused(what) => {
-                let message = format!("cell {id} (VTK type {code}) is {what}; only tetrahedra are computed");
-                return Err((message, "mesh the volume with tetrahedra alone"));
+                let message =
+                    format!("cell {id} (VTK type {code}) is {what}; only tetrahedra and hexahedra are computed");
+                return Err((message, "mesh the volume with tetrahedra alone, or with hexahedra alone"));
             }
         }
         Ok(0)

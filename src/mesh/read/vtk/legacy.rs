@@ -47,7 +47,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], raw: &mut Raw) -> Result<&'static 
     }
     let skipped = file.grid.list(path, raw)?;
     if skipped > 0 {
-        raw.notes.push(format!("{skipped} cells that are no tetrahedra or triangles are ignored."));
+        raw.notes.push(format!("{skipped} cells that are no solids, triangles or quadrilaterals are ignored."));
     }
     Ok(if binary { "VTK legacy binary" } else { "VTK legacy ASCII" })
 }

@@ -9,6 +9,8 @@ pub(super) struct Names {
     pub(super) groups: Vec<f64>,
     /// Rows of a group's number and three points.
     pub(super) faces: Vec<f64>,
+    /// Rows of a group's number and four points.
+    pub(super) quads: Vec<f64>,
 }
 
 impl Names {
@@ -18,6 +20,7 @@ impl Names {
             "region_names" => Some(&mut self.regions),
             "group_names" => Some(&mut self.groups),
             "group_faces" => Some(&mut self.faces),
+            "group_quads" => Some(&mut self.quads),
             _ => None,
         }
     }
@@ -31,14 +34,20 @@ impl Names {
         let sound = |row: &[f64]| {
             row[0] >= 0.0 && row[0] < groups.len() as f64 && row[1..].iter().all(|v| (0.0..points).contains(v))
         };
-        if !self.faces.len().is_multiple_of(4) || !self.faces.chunks_exact(4).all(sound) {
+        let fit = |rows: &[f64], width: usize| rows.len().is_multiple_of(width) && rows.chunks_exact(width).all(sound);
+        if !fit(&self.faces, 4) || !fit(&self.quads, 5) {
             raw.notes.push("the groups of the file do not fit its mesh and are ignored.".to_owned());
             return;
         }
-        let first = (raw.tets.nodes.len() + raw.triangles.nodes.len()) as u32;
+        let first = raw.element_count() as u32;
         for (i, row) in (0..).zip(self.faces.chunks_exact(4)) {
             let [a, b, c] = [row[1], row[2], row[3]].map(|v| v as u32);
             raw.triangle(first + i, [a, b, c], [row[0] as i32 + 1, 0], place);
+        }
+        let first = raw.element_count() as u32;
+        for (i, row) in (0..).zip(self.quads.chunks_exact(5)) {
+            let [a, b, c, d] = [row[1], row[2], row[3], row[4]].map(|v| v as u32);
+            raw.quad(first + i, [a, b, c, d], [row[0] as i32 + 1, 0], place);
         }
         raw.group_names.extend((1..).zip(groups));
     }
@@ -64,7 +73,8 @@ mod tests {
         let mut raw = Raw::default();
         (0..4).for_each(|id| raw.nodes.push(id, DVec3::ZERO, 0));
         let groups = groups.iter().map(|&byte| f64::from(byte)).collect();
-        let names = Names { regions: vec![98.0, 111.0, 110.0, 101.0, 0.0], groups, faces: faces.to_vec() };
+        let names =
+            Names { regions: vec![98.0, 111.0, 110.0, 101.0, 0.0], groups, faces: faces.to_vec(), quads: Vec::new() };
         names.apply(&mut raw, 7);
         raw
     }

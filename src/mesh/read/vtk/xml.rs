@@ -102,7 +102,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], raw: &mut Raw) -> Result<&'static 
         xml.names.apply(raw, xml.at);
     }
     if skipped > 0 {
-        raw.notes.push(format!("{skipped} cells that are no tetrahedra or triangles are ignored."));
+        raw.notes.push(format!("{skipped} cells that are no solids, triangles or quadrilaterals are ignored."));
     }
     Ok("VTK XML unstructured grid")
 }

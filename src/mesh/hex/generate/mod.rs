@@ -1,5 +1,14 @@
 //! Hexahedral meshes made from a few numbers.
 
+mod ball;
+mod layers;
+mod plans;
+mod tets;
+
+pub use ball::sphere_shell;
+pub use plans::{cylinder, prism, tube, tunnel};
+pub use tets::from_tets;
+
 use super::{HexError, HexMesh};
 use glam::DVec3;
 
@@ -41,4 +50,26 @@ pub fn box_hexes(size: [f64; 3], cells: [usize; 3]) -> Result<HexMesh, HexError>
             ("z-max", &|v| lattice(v)[2] == nz),
         ],
     )
+}
+
+/// Refuses measures that are not positive and finite.
+fn check_measures(name: &str, measures: &[(&str, f64)]) -> Result<(), HexError> {
+    match measures.iter().find(|(_, x)| !(*x > 0.0 && x.is_finite())) {
+        Some((what, x)) => Err(HexError::Generator(format!("{name}: the {what} is {x}, it must be positive"))),
+        None => Ok(()),
+    }
+}
+
+/// Refuses numbers of cells of which one is zero, or whose product is too large.
+fn check_cells(name: &str, factors: &[usize]) -> Result<(), HexError> {
+    match factors.iter().try_fold(1_usize, |product, n| product.checked_mul(*n)) {
+        Some(0) => Err(HexError::Generator(format!("{name}: each number of cells must be one at least"))),
+        Some(count) if count <= MAX_CELLS => Ok(()),
+        _ => Err(HexError::Generator(format!("{name}: more than {MAX_CELLS} cells"))),
+    }
+}
+
+/// The share `i / n`.
+fn unit(i: usize, n: usize) -> f64 {
+    i as f64 / n as f64
 }

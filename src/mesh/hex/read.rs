@@ -1,0 +1,3 @@
+//! Hexahedra from files.
+
+pub use crate::mesh::read::hexes::{HexFile, read};
