@@ -57,7 +57,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// As [`Run::for_a_while`] and [`Run::finish`].
-    pub fn to_the_end(mut self, mut reason: String, kept: &mut Kept) -> Result<Solved, FemError> {
+    pub fn solve(mut self, mut reason: String, kept: &mut Kept) -> Result<Solved, FemError> {
         let done = self.iterate_up_to(MAX_ITERATIONS, &mut reason, kept);
         // What breaks down at the limit of double precision has got there.
         if !self.is_rounding(ROUNDING_UNITS) {

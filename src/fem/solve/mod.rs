@@ -89,7 +89,7 @@ pub fn solve_keeping(
         return direct::solve(&problem, factor, "factor at hand".to_owned());
     }
     match options.method {
-        Method::AmgCg => cg::Run::new(&problem, start).to_the_end("asked for".to_owned(), kept),
+        Method::AmgCg => cg::Run::new(&problem, start).solve("asked for".to_owned(), kept),
         Method::Direct => factorise(&problem, direct::analyse(system)?, "asked for".to_owned(), kept),
         Method::Auto => solve_auto(&problem, start, options.direct_memory_limit, kept),
     }
@@ -129,7 +129,7 @@ fn solve_auto(problem: &Problem, start: Option<&[DVec3]>, limit: u64, kept: &mut
     reason += &format!("; the factor takes {bytes:.3} MB, the limit is {most:.3} MB");
     if analysis.factor_bytes() > limit {
         drop(analysis);
-        return if run.is_done(ROUNDING_UNITS) { run.finish(reason) } else { run.to_the_end(reason, kept) };
+        return if run.is_done(ROUNDING_UNITS) { run.finish(reason) } else { run.solve(reason, kept) };
     }
     kept.hierarchy = None;
     match factorise(problem, analysis, reason.clone(), kept) {
