@@ -71,7 +71,8 @@ fn other_runs_are_forecast_within_a_small_factor() {
         ("bracket.toml", &["refine.strategy=global", "refine.steps=1"], 1.25),
         ("cantilever.toml", &linear, 2.0),
         ("bracket.toml", &["refine.steps=4"], 2.0),
-        ("fichera.toml", &[], 2.0),
+        // One corner and three edges: the least cells of all, by five steps.
+        ("fichera.toml", &[], 2.5),
         ("cantilever.toml", &bisection, 2.0),
         ("bracket.toml", &fraction, 2.0),
     ] {

@@ -163,3 +163,51 @@ fn threads_do_not_change_a_bit() {
         assert!(solved[0] == solved[1] && solved[0] == solved[2]);
     }
 }
+
+/// A square plate of one layer of ten-node cells, a hundred times as wide as thick, clamped at one side and pressed.
+fn plate(cells: usize) -> System {
+    let mesh = box_tets([100.0, 100.0, 1.0], [cells, cells, 1]).unwrap();
+    let supports = vec![Support::new("wall", mesh.group("x-min").unwrap(), FIXED)];
+    let press = LoadKind::Traction(mesh.group("z-max").unwrap(), DVec3::NEG_Z.into());
+    let loads = vec![Load { name: "press".to_owned(), kind: press }];
+    let model = Model { materials: vec![steel(210e3, 0.3)], supports, loads };
+    fem::assemble(&Space::new(&mesh, Element::Tet10, &[]), &model).unwrap()
+}
+
+/// Multigrid crawls on a thin plate, and no solution in double precision has a residual of 1e-8.
+#[test]
+fn thin_plates_are_solved_directly_where_memory_suffices() {
+    let system = plate(12);
+    let of = |method, limit| {
+        let options = SolverOptions { method, direct_memory_limit: limit, ..options(method, 1e-8) };
+        fem::solve(&system, &options, None).unwrap()
+    };
+    let direct = of(Method::Direct, 0);
+    let auto = of(Method::Auto, 1 << 30);
+    assert_eq!((auto.info.method, auto.info.residual), ("direct", direct.info.residual));
+    assert!(auto.info.reason.contains("conjugate gradients at residual"), "{}", auto.info.reason);
+    // Without that memory iterations go on until restarts gain nothing.
+    let frugal = of(Method::Auto, 1);
+    assert_eq!(frugal.info.method, "amg-cg");
+    assert!(frugal.info.residual < 1e-5 && frugal.info.reason.contains("limit of double precision"));
+    assert!(difference(&frugal, &direct) < 1e-5, "{}", difference(&frugal, &direct));
+}
+
+/// Inclusions of cubes and of single cells, a hundred thousand and a hundred million times softer, and such stiffer ones. Some of the
+/// stiff cells hang together at edges and vertices only: mechanisms that aggregates do not represent.
+#[test]
+fn enormous_jumps_are_solved() {
+    let inner = |x: DVec3| (x - DVec3::splat(5.0)).abs().max_element() < 2.0;
+    let random = |x: DVec3| (x.dot(DVec3::new(12.9898, 78.233, 37.719)).sin() * 43_758.545_3).rem_euclid(1.0) < 0.3;
+    for (name, most, mesh) in [("cube", 40, block([10; 3], inner)), ("random cells", 150, block([10; 3], random))] {
+        for stiffness in [1e-8, 1e-5, 1e5, 1e8] {
+            let system = system(&mesh, [steel(1.0, 0.3), steel(stiffness, 0.3)], Element::Tet4);
+            let [quick, exact] =
+                [Method::AmgCg, Method::Direct].map(|m| fem::solve(&system, &options(m, 1e-8), None).unwrap());
+            println!("{name} {stiffness:e}: {:?}, {:.1e}", quick.info, difference(&quick, &exact));
+            assert!(quick.info.iterations <= most, "{name} {stiffness:e}: {:?}", quick.info);
+            assert!(quick.info.residual <= exact.info.residual.max(1e-8) * 8.0);
+            assert!(difference(&quick, &exact) < 1e-5, "{name} {stiffness:e}: {}", difference(&quick, &exact));
+        }
+    }
+}

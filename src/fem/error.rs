@@ -128,6 +128,16 @@ pub enum FemError {
         /// Where it showed.
         detail: String,
     },
+    /// The preconditioner is not positive definite, though the matrix shows nothing wrong.
+    #[error("conjugate gradients: their multigrid is not positive definite ({detail})")]
+    #[diagnostic(help(
+        "rounding destroys it, as where stiffnesses differ by very many orders of magnitude or cells are nearly flat: use method \
+         \"direct\""
+    ))]
+    Multigrid {
+        /// Where it showed.
+        detail: String,
+    },
     /// The residual stays above the tolerance.
     #[error("{method}: residual {residual:.3e} after {iterations} iterations, asked for {tolerance:.1e}")]
     #[diagnostic(help("{help}"))]
@@ -178,6 +188,7 @@ impl FemError {
             | Self::FreeMotion { .. } => true,
             Self::OutOfRange { .. }
             | Self::NotPositiveDefinite { .. }
+            | Self::Multigrid { .. }
             | Self::NotConverged { .. }
             | Self::OutOfMemory { .. }
             | Self::Ordering(_) => false,

@@ -76,8 +76,8 @@ pub struct HexOptions {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
-    /// Direct for small systems, else conjugate gradients; direct again where these converge slowly, as long as its
-    /// memory forecast stays below [`SolverOptions::direct_memory_limit`].
+    /// Direct for small systems, else conjugate gradients; direct again where these converge slowly or end above the tolerance,
+    /// as long as its memory forecast stays below [`SolverOptions::direct_memory_limit`].
     Auto,
     /// Sparse Cholesky with a nested-dissection ordering.
     Direct,

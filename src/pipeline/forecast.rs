@@ -9,16 +9,17 @@ use crate::scenario::{Scenario, Strategy};
 use crate::subdiv::options::{Boundary, Mode, Scheme};
 use serde::Serialize;
 
-/// Resident bytes of an analysis, and of the refinement to its mesh, that do not depend on the mesh, and those a cell of four nodes or of
-/// ten: measured by `benches/peers/memory.py` on red, adaptive and bisected meshes of the tripod and on boxes. Slender parts, whose
-/// multigrid is made once more in double precision, need up to half as much again.
+/// Resident bytes of an analysis that do not depend on the mesh, and those a cell of four nodes or of ten: of a mesh that was read or
+/// generated, and of one that was refined, which is graded and comes to memory that earlier steps have torn up. Measured by
+/// `benches/peers/memory.py` on red, adaptive and bisected meshes of the tripod and on boxes. Slender parts, whose multigrid is made
+/// once more in double precision, need more.
 const BASE_BYTES: f64 = 14e6;
-const BYTES_A_CELL: f64 = 980.0;
-const BYTES_A_QUADRATIC_CELL: f64 = 6500.0;
+const BYTES_A_CELL: [f64; 2] = [930.0, 1150.0];
+const BYTES_A_QUADRATIC_CELL: [f64; 2] = [6300.0, 7600.0];
 
 /// Those a cell of ten nodes that the direct method needs more for its copy of the matrix; for four nodes they are no more than what a
 /// multigrid would take.
-const BYTES_A_QUADRATIC_CELL_COPIED: f64 = 5000.0;
+const BYTES_A_QUADRATIC_CELL_COPIED: f64 = 5200.0;
 
 /// The factor of a solid by nested dissection has `n^(4/3)` entries (George 1973, and Lipton, Rose and Tarjan 1979).
 const FACTOR_GROWTH: f64 = 4.0 / 3.0;
@@ -77,7 +78,7 @@ impl Forecast {
             let Some(next) = sizes.refined(scenario) else {
                 break "further steps depend on the solution: the marking is by a threshold".to_owned();
             };
-            let bytes = next.bytes(scenario);
+            let bytes = next.bytes(true, scenario);
             if let Some(most) = refine.stop.max_memory.filter(|most| bytes > *most as f64) {
                 break format!("max_memory = {most}, the next step would take {}", size(bytes as u64));
             }
@@ -130,19 +131,20 @@ impl Sizes {
         }
     }
 
-    fn bytes(&self, scenario: &Scenario) -> f64 {
+    fn bytes(&self, refined: bool, scenario: &Scenario) -> f64 {
+        let refined = usize::from(refined);
         let factor = 8.0 * self.factor * self.dofs(scenario.element).powf(FACTOR_GROWTH);
         let a_cell = match (scenario.element, scenario.solver.method) {
-            (Element::Tet4, _) => BYTES_A_CELL,
-            (Element::Tet10, Method::Direct) => BYTES_A_QUADRATIC_CELL + BYTES_A_QUADRATIC_CELL_COPIED,
-            (Element::Tet10, _) => BYTES_A_QUADRATIC_CELL,
+            (Element::Tet4, _) => BYTES_A_CELL[refined],
+            (Element::Tet10, Method::Direct) => BYTES_A_QUADRATIC_CELL[refined] + BYTES_A_QUADRATIC_CELL_COPIED,
+            (Element::Tet10, _) => BYTES_A_QUADRATIC_CELL[refined],
         };
         BASE_BYTES + a_cell * self.cells + factor
     }
 
     fn step(&self, step: usize, exact: bool, scenario: &Scenario) -> Step {
         let [cells, nodes, dofs] = [self.cells, self.nodes, self.dofs(scenario.element)].map(|x| x.round() as usize);
-        Step { step, cells, nodes, dofs, bytes: self.bytes(scenario) as u64, exact }
+        Step { step, cells, nodes, dofs, bytes: self.bytes(step > 0, scenario) as u64, exact }
     }
 
     /// The mesh of the next step; `None` where only the solution knows.
@@ -156,7 +158,7 @@ impl Sizes {
         if scenario.refine.strategy == Strategy::Global {
             return Some(all);
         }
-        let share = share(scenario.adapt.marking, scenario.adapt.grow)?;
+        let share = share(scenario.adapt.marking, scenario.adapt.grow, scenario.element)?;
         let cells = cells_after(options.scheme, Strategy::Adaptive, self.cells, share * self.cells);
         // Nodes come with cells as they do in global refinement.
         let part = (cells - self.cells) / (all.cells - self.cells);
@@ -208,16 +210,17 @@ impl Sizes {
         }
     }
 
-    /// Cells and what they consist of grow alike.
+    /// An edge inside has about five cells, which its midpoint halves.
     fn bisected(&self) -> Self {
         let cells = cells_after(Scheme::LongestEdge, Strategy::Global, self.cells, self.cells);
-        let growth = cells / self.cells;
-        let surface_growth = growth.powf(2.0 / 3.0);
+        let surface_growth = (cells / self.cells).powf(2.0 / 3.0);
+        let (boundary, nodes) = (surface_growth * self.boundary, self.nodes + (cells - self.cells) / 5.0);
         Self {
             cells,
-            nodes: growth * self.nodes,
-            edges: growth * self.edges,
-            boundary: surface_growth * self.boundary,
+            nodes,
+            // Euler: V - E + F - T hardly changes beside them.
+            edges: self.edges + (nodes - self.nodes) + (cells - self.cells) + 0.5 * (boundary - self.boundary),
+            boundary,
             surface: surface_growth * self.surface,
             surface_edges: surface_growth * self.surface_edges,
             factor: self.factor,
@@ -225,25 +228,27 @@ impl Sizes {
     }
 }
 
-/// The number of cells after `selected` of them are refined. Exact for red refinement; else measured on the bundled
-/// scenarios: neighbours take part, and sqrt(3) flips fewer faces where refined cells are scattered.
+/// The number of cells after `selected` of them are refined. Exact for red refinement; else measured on the tripod and the bundled
+/// scenarios: neighbours take part, in bisection the more for each selected cell the fewer and the more scattered these are.
 pub(super) fn cells_after(scheme: Scheme, strategy: Strategy, cells: f64, selected: f64) -> f64 {
-    let added = match (scheme, strategy) {
-        (Scheme::Red, _) => 7.0,
-        (Scheme::Sqrt3, Strategy::Adaptive) => 6.0,
-        (Scheme::Sqrt3, _) => 7.2,
-        (Scheme::LongestEdge, Strategy::Adaptive) => 3.6,
-        (Scheme::LongestEdge, _) => 2.6,
-    };
-    cells + added * selected
+    cells
+        + match (scheme, strategy) {
+            (Scheme::Red, _) => 7.0 * selected,
+            (Scheme::Sqrt3, Strategy::Adaptive) => 4.4 * selected,
+            (Scheme::Sqrt3, _) => 7.2 * selected,
+            (Scheme::LongestEdge, Strategy::Adaptive) => 1.45 * (selected * cells).sqrt(),
+            (Scheme::LongestEdge, _) => 2.6 * selected,
+        }
 }
 
 /// The share of the cells that a marking selects; measured on the bundled scenarios, but for a fraction. `None` where only
 /// the solution knows. Scattered cells have two neighbours in a ring that are not selected yet.
-fn share(marking: Marking, rings: usize) -> Option<f64> {
+fn share(marking: Marking, rings: usize, element: Element) -> Option<f64> {
+    // Errors of quadratic elements are concentrated in fewer cells.
+    let spread = if element == Element::Tet4 { 0.84 } else { 0.65 };
     let marked = match marking {
         Marking::Fraction(share) => share,
-        Marking::Doerfler(share) | Marking::LookAhead(share) => 0.65 * share * share,
+        Marking::Doerfler(share) | Marking::LookAhead(share) => spread * share * share,
         Marking::Maximum(share) => (1.0 - share) * (1.0 - share) / 3.0,
         Marking::Threshold(_) => return None,
     };
@@ -307,8 +312,8 @@ mod tests {
 
     #[test]
     fn rings_grow_a_selection_but_not_beyond_all() {
-        let of = |rings| share(Marking::Fraction(0.1), rings).unwrap();
+        let of = |rings| share(Marking::Fraction(0.1), rings, Element::Tet4).unwrap();
         assert!((of(0) - 0.1).abs() < 1e-12 && of(1) > 0.25 && of(100) <= 1.0);
-        assert_eq!(share(Marking::Threshold(1.0), 0), None);
+        assert_eq!(share(Marking::Threshold(1.0), 0, Element::Tet4), None);
     }
 }

@@ -1,7 +1,7 @@
 //! Conjugate gradients, preconditioned by multigrid.
 
-use super::amg::{Hierarchy, Real};
-use super::{Kept, Problem, Solved, SolverInfo, at_the_limit, not_converged, residual};
+use super::amg::{Hierarchy, Kind, Real};
+use super::{Kept, Problem, ROUNDING_UNITS, Solved, SolverInfo, at_the_limit, not_converged, residual};
 use crate::fem::FemError;
 use crate::fem::block_matrix::{CHUNK, dot, norm};
 use glam::DVec3;
@@ -10,95 +10,135 @@ use rayon::prelude::*;
 /// Iterations before giving up for good: hundreds of times what well-shaped meshes need.
 pub(super) const MAX_ITERATIONS: usize = 20_000;
 
-/// Iterations after which the single precision of the preconditioner is doubted.
+/// Iterations after which the single precision of the preconditioner is doubted: four times as many as well-shaped meshes need.
 const FEW_ITERATIONS: usize = 100;
 
-/// Restarts from the true residual, when it is larger than the one that the recurrence carries along.
-const MAX_RESTARTS: usize = 3;
+/// Where a restart leaves more than this part of the true residual, more of them would gain nothing.
+const STAGNANT: f64 = 0.5;
 
 /// What to do where the iterations do not suffice.
 const HELP: &str = "use method \"direct\"; else check the supports, nearly flat cells and Poisson's ratio near 1/2, or \
                     accept a larger tolerance";
 
-/// Solves from a guess or from zero (Hestenes and Stiefel 1952), until the true residual is below the tolerance, in at most
-/// `limit` iterations. The preconditioner is kept in single precision, and made anew in double where that fails.
-///
-/// # Errors
-/// [`FemError::NotConverged`], [`FemError::NotPositiveDefinite`]; those of the coarsest problem's factorisation.
-pub(super) fn solve(
-    problem: &Problem,
-    guess: Option<&[DVec3]>,
-    reason: String,
-    limit: usize,
-    kept: &mut Kept,
-) -> Result<Solved, FemError> {
-    let (displacement, remainder) = problem.start(guess);
-    let mut state = State { displacement, remainder, iterations: 0, numbers: 0, relative: 1.0 };
-    state.relative = norm(&state.remainder) / problem.scale;
-    let found = |state: State, reason| {
-        let State { displacement, iterations, relative, numbers, .. } = state;
-        let info = SolverInfo { method: "amg-cg", reason, iterations, residual: relative, nonzeros: numbers };
-        Ok(Solved { displacement, info })
-    };
-    match state.advance(problem, limit.min(FEW_ITERATIONS), &mut kept.hierarchy) {
-        Ok(()) | Err(FemError::NotPositiveDefinite { .. }) => {}
-        Err(error) => return Err(error),
-    }
-    let mut reason = reason;
-    if !problem.accepts(state.relative) && !problem.is_rounding(state.relative, &state.displacement) {
-        reason += &format!("; preconditioner in double precision after {} iterations", state.iterations);
-        state.advance::<f64>(problem, limit, &mut None)?;
-    }
-    if problem.accepts(state.relative) {
-        return found(state, reason);
-    }
-    if problem.is_rounding(state.relative, &state.displacement) {
-        let reason = at_the_limit(&reason, state.relative);
-        return found(state, reason);
-    }
-    Err(not_converged(problem, "conjugate gradients", state.iterations, state.relative, HELP))
-}
-
-/// How far the solution is.
-struct State {
+/// Conjugate gradients (Hestenes and Stiefel 1952) on their way from a guess, or from zero, to a true residual below the tolerance.
+pub(super) struct Run<'a> {
+    problem: &'a Problem<'a>,
     displacement: Vec<DVec3>,
     /// `f - K u` at the unknowns.
     remainder: Vec<DVec3>,
     /// Its norm, relative to that of the right-hand side.
-    relative: f64,
-    iterations: usize,
+    pub relative: f64,
+    pub iterations: usize,
+    /// Whether a restart gained nothing.
+    stagnant: bool,
     /// Numbers stored in the preconditioner.
     numbers: usize,
 }
 
-impl State {
-    /// Iterates until the true residual is accepted, restarts are used up, or `limit` iterations are done in all.
-    /// The preconditioner is the one that is kept, or made to be kept.
+impl<'a> Run<'a> {
+    /// Nothing done yet.
+    pub fn new(problem: &'a Problem<'a>, guess: Option<&[DVec3]>) -> Self {
+        let (displacement, remainder) = problem.start(guess);
+        let relative = norm(&remainder) / problem.scale;
+        Self { problem, displacement, remainder, relative, iterations: 0, stagnant: false, numbers: 0 }
+    }
+
+    /// Iterates with the preconditioner in single precision, which is kept, and if that is not enough in double precision, until the
+    /// true residual is accepted or stagnates, but not for long.
+    ///
+    /// # Errors
+    /// [`FemError::Multigrid`], [`FemError::NotPositiveDefinite`], [`FemError::OutOfRange`]; those of the coarsest problem's
+    /// factorisation.
+    pub fn for_a_while(&mut self, reason: &mut String, kept: &mut Kept) -> Result<(), FemError> {
+        self.iterate_up_to(2 * FEW_ITERATIONS, reason, kept)
+    }
+
+    /// Iterates to the end, and gives the solution.
+    ///
+    /// # Errors
+    /// As [`Run::for_a_while`] and [`Run::finish`].
+    pub fn solve(mut self, mut reason: String, kept: &mut Kept) -> Result<Solved, FemError> {
+        let done = self.iterate_up_to(MAX_ITERATIONS, &mut reason, kept);
+        // What breaks down at the limit of double precision has got there.
+        if !self.is_rounding(ROUNDING_UNITS) {
+            done?;
+        }
+        self.finish(reason)
+    }
+
+    fn iterate_up_to(&mut self, limit: usize, reason: &mut String, kept: &mut Kept) -> Result<(), FemError> {
+        match self.advance(FEW_ITERATIONS, None, &mut kept.hierarchy) {
+            // The last may be rounding too: double precision will tell.
+            Ok(()) | Err(FemError::Multigrid { .. } | FemError::NotPositiveDefinite { .. }) => {}
+            Err(error) => return Err(error),
+        }
+        if self.is_done(ROUNDING_UNITS) {
+            return Ok(());
+        }
+        // What failed need not take memory.
+        kept.hierarchy = None;
+        *reason += &format!("; preconditioner in double precision after {} iterations", self.iterations);
+        match self.advance::<f64>(limit, None, &mut None) {
+            // Sweeps need no eigenvalues: their cycle is positive.
+            Err(FemError::Multigrid { .. }) => self.advance::<f64>(limit, Some(Kind::Sweeps), &mut None),
+            done => done,
+        }
+    }
+
+    /// Whether the residual is below the tolerance, or has come to rest within so many units of rounding.
+    pub fn is_done(&self, units: f64) -> bool {
+        self.problem.accepts(self.relative) || (self.stagnant && self.is_rounding(units))
+    }
+
+    fn is_rounding(&self, units: f64) -> bool {
+        self.problem.is_rounding(self.relative, &self.displacement, units)
+    }
+
+    /// The solution.
+    ///
+    /// # Errors
+    /// [`FemError::NotConverged`] if the residual is above the tolerance and above what rounding explains.
+    pub fn finish(self, mut reason: String) -> Result<Solved, FemError> {
+        if !self.problem.accepts(self.relative) {
+            if !self.is_rounding(ROUNDING_UNITS) {
+                return Err(not_converged(self.problem, "conjugate gradients", self.iterations, self.relative, HELP));
+            }
+            reason = at_the_limit(&reason, self.relative);
+        }
+        let Self { displacement, iterations, relative: residual, numbers: nonzeros, .. } = self;
+        let info = SolverInfo { method: "amg-cg", reason, iterations, residual, nonzeros };
+        Ok(Solved { displacement, info })
+    }
+
+    /// Iterates until the true residual is accepted or stagnates, or `limit` iterations are done in all. The preconditioner is the
+    /// one that is kept, or made to be kept.
     fn advance<T: Real>(
         &mut self,
-        problem: &Problem,
         limit: usize,
+        smoother: Option<Kind>,
         kept: &mut Option<Hierarchy<T>>,
     ) -> Result<(), FemError> {
-        if problem.accepts(self.relative) {
+        let problem = self.problem;
+        if problem.accepts(self.relative) || self.iterations >= limit {
             return Ok(());
         }
         let system = problem.system;
-        let mask = system.numbering.mask();
         let hierarchy = match kept {
             Some(hierarchy) => hierarchy,
-            None => kept.insert(Hierarchy::new(&system.stiffness, system.linear.as_ref(), &system.points, mask)?),
+            None => kept.insert(Hierarchy::of(system, smoother)?),
         };
         self.numbers = hierarchy.numbers();
-        for _ in 0..=MAX_RESTARTS {
+        self.stagnant = false;
+        while self.iterations < limit && !problem.accepts(self.relative) && !self.stagnant {
+            let before = self.relative;
             let rest = std::mem::take(&mut self.remainder);
             let done = iterate(problem, hierarchy, rest, &mut self.displacement, limit - self.iterations);
             self.remainder = residual(system, &self.displacement);
             self.relative = norm(&self.remainder) / problem.scale;
             self.iterations += done?;
-            if problem.accepts(self.relative) || self.iterations >= limit {
-                break;
-            }
+            // What ends at the limit has not come to rest; NaN has.
+            let gained = self.relative < STAGNANT * before;
+            self.stagnant = self.iterations < limit && !gained;
         }
         Ok(())
     }
@@ -128,7 +168,11 @@ fn iterate<T: Real>(
                 return Err(FemError::OutOfRange { what: "solution" });
             }
             let detail = format!("p.K p = {curvature:.3e}, r.M r = {rho:.3e} in iteration {iteration}");
-            return Err(FemError::NotPositiveDefinite { detail });
+            return Err(if curvature > 0.0 {
+                FemError::Multigrid { detail }
+            } else {
+                FemError::NotPositiveDefinite { detail }
+            });
         }
         let alpha = rho / curvature;
         let squared = step(alpha, &p, &kp, u, &mut r);

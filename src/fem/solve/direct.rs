@@ -2,7 +2,7 @@
 
 use super::cholesky::{Analysis, Factor, Lower};
 use super::ordering::Graph;
-use super::{Problem, Solved, SolverInfo, at_the_limit, not_converged, residual};
+use super::{Problem, ROUNDING_UNITS, Solved, SolverInfo, at_the_limit, not_converged, residual};
 use crate::fem::block_matrix::norm;
 use crate::fem::{FemError, System};
 
@@ -91,7 +91,7 @@ pub(super) fn solve(problem: &Problem, factor: &Factor, reason: String) -> Resul
             return found(displacement, reason, iterations, relative);
         }
     }
-    if problem.is_rounding(relative, &displacement) {
+    if problem.is_rounding(relative, &displacement, ROUNDING_UNITS) {
         return found(displacement, at_the_limit(&reason, relative), MAX_REFINEMENTS, relative);
     }
     Err(not_converged(problem, "sparse Cholesky", MAX_REFINEMENTS, relative, HELP))

@@ -16,12 +16,12 @@ use rayon::prelude::*;
 /// a second.
 const SMALL: usize = 5_000;
 
-/// Iterations after which [`Method::Auto`] doubts conjugate gradients: five times as many as well-shaped meshes need.
-const FEW_ITERATIONS: usize = 300;
-
 /// Units of rounding that a residual at the limit of double precision may hold for each term `|K||u| + |f|` of its sums.
 /// A backward stable solution has about one; nodal forces have at most some dozens of terms.
 const ROUNDING_UNITS: f64 = 32.0;
+
+/// Those within which iterations end as well as the direct method does.
+const FEW_UNITS: f64 = 4.0;
 
 /// Largest relative residual that counts as rounding. The error of the solution is of its order: above, the solution says
 /// nothing about its load, as where a mechanism is left free and the matrix is singular.
@@ -89,7 +89,7 @@ pub fn solve_keeping(
         return direct::solve(&problem, factor, "factor at hand".to_owned());
     }
     match options.method {
-        Method::AmgCg => cg::solve(&problem, start, "asked for".to_owned(), cg::MAX_ITERATIONS, kept),
+        Method::AmgCg => cg::Run::new(&problem, start).solve("asked for".to_owned(), kept),
         Method::Direct => factorise(&problem, direct::analyse(system)?, "asked for".to_owned(), kept),
         Method::Auto => solve_auto(&problem, start, options.direct_memory_limit, kept),
     }
@@ -106,28 +106,36 @@ fn factorise(
     direct::solve(problem, factor, reason)
 }
 
-/// Direct for small systems; else conjugate gradients, and direct if they converge slowly and memory suffices.
+/// Direct for small systems; else conjugate gradients, and direct if they converge slowly or end above the tolerance, and memory
+/// suffices. Of two solutions above the tolerance the better one.
 fn solve_auto(problem: &Problem, start: Option<&[DVec3]>, limit: u64, kept: &mut Kept) -> Result<Solved, FemError> {
     let unknowns = problem.system.free_dofs();
     let mut reason = format!("{unknowns} unknowns");
+    let mut run = cg::Run::new(problem, start);
     if unknowns > SMALL {
-        match cg::solve(problem, start, format!("{reason}, more than {SMALL}"), FEW_ITERATIONS, kept) {
-            Err(FemError::NotConverged { iterations, residual, .. }) => {
-                reason += &format!(", conjugate gradients at residual {residual:.1e} after {iterations} iterations");
-            }
-            Err(FemError::NotPositiveDefinite { .. }) => reason += ", conjugate gradients broke down",
-            done => return done,
-        }
+        reason += &format!(", more than {SMALL}");
+        let end = match run.for_a_while(&mut reason, kept) {
+            Ok(()) if run.is_done(FEW_UNITS) => return run.finish(reason),
+            Ok(()) => "",
+            Err(FemError::Multigrid { .. } | FemError::NotPositiveDefinite { .. }) => ", where they broke down",
+            Err(error) => return Err(error),
+        };
+        let (residual, iterations) = (run.relative, run.iterations);
+        reason += &format!(", conjugate gradients at residual {residual:.1e} after {iterations} iterations{end}");
     }
     let analysis = direct::analyse(problem.system)?;
     let megabytes = |bytes: u64| bytes as f64 / 1e6;
     let (bytes, most) = (megabytes(analysis.factor_bytes()), megabytes(limit));
     reason += &format!("; the factor takes {bytes:.3} MB, the limit is {most:.3} MB");
-    if analysis.factor_bytes() <= limit {
-        factorise(problem, analysis, reason, kept)
-    } else {
+    if analysis.factor_bytes() > limit {
         drop(analysis);
-        cg::solve(problem, start, reason, cg::MAX_ITERATIONS, kept)
+        return if run.is_done(ROUNDING_UNITS) { run.finish(reason) } else { run.solve(reason, kept) };
+    }
+    kept.hierarchy = None;
+    match factorise(problem, analysis, reason.clone(), kept) {
+        Ok(direct) if direct.info.residual <= problem.tolerance.max(run.relative) => Ok(direct),
+        direct if !run.is_done(ROUNDING_UNITS) => direct,
+        _ => run.finish(reason + "; the direct method did no better"),
     }
 }
 
@@ -146,10 +154,9 @@ impl Multigrid {
     /// Sets it up.
     ///
     /// # Errors
-    /// [`FemError::NotPositiveDefinite`], and those of the factorisation on its last level.
+    /// [`FemError::Multigrid`], and those of the factorisation on its last level.
     pub fn new(system: &System) -> Result<Self, FemError> {
-        let mask = system.numbering.mask();
-        amg::Hierarchy::new(&system.stiffness, system.linear.as_ref(), &system.points, mask).map(Self)
+        amg::Hierarchy::of(system, None).map(Self)
     }
 
     /// One cycle: `z`, about the displacement of the nodal forces `r`, which are zero where displacements are prescribed.
@@ -219,9 +226,9 @@ impl<'a> Problem<'a> {
         residual <= self.tolerance
     }
 
-    /// True if the relative residual of `u` is no more than rounding makes of it: `|r|` is within
-    /// [`ROUNDING_UNITS`] eps `| |K||u| + |f| |`, taken over the unknowns and by components.
-    fn is_rounding(&self, residual: f64, u: &[DVec3]) -> bool {
+    /// True if the relative residual of `u` is no more than rounding makes of it: `|r|` is within `units`
+    /// eps `| |K||u| + |f| |`, taken over the unknowns and by components.
+    fn is_rounding(&self, residual: f64, u: &[DVec3], units: f64) -> bool {
         let system = self.system;
         let terms = |i: usize| {
             let products = system.stiffness.row(i).map(|(j, block)| block.abs() * u[j].abs());
@@ -229,7 +236,7 @@ impl<'a> Problem<'a> {
         };
         let sizes: Vec<DVec3> =
             (0..u.len()).into_par_iter().with_min_len(super::block_matrix::CHUNK).map(terms).collect();
-        let attainable = ROUNDING_UNITS * f64::EPSILON * norm(&sizes) / self.scale;
+        let attainable = units * f64::EPSILON * norm(&sizes) / self.scale;
         !self.tolerance.is_nan() && residual <= attainable.min(LARGEST_ROUNDING)
     }
 }

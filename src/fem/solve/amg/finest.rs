@@ -19,7 +19,7 @@ pub(super) struct Finest<T> {
 /// of prescribed components are those of the identity.
 ///
 /// # Errors
-/// [`FemError::NotPositiveDefinite`].
+/// [`FemError::Multigrid`].
 pub(super) fn finest<T: Real>(k: &BlockMatrix, points: &[DVec3], mask: &[DVec3]) -> Result<Finest<T>, FemError> {
     let active: Vec<bool> = mask.iter().map(|m| *m != DVec3::ZERO).collect();
     let size = |i: usize| if active[i] { k.diagonal(i).x_axis.x.abs() } else { 0.0 };

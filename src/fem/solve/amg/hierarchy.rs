@@ -11,9 +11,7 @@ use super::real::Real;
 use super::smoother::{Kind, Smoother, is_tight};
 use super::spectrum::largest_eigenvalue;
 use super::transfer::{Transfer, WIDE};
-use crate::fem::FemError;
-use crate::fem::assembly::Linear;
-use crate::fem::block_matrix::BlockMatrix;
+use crate::fem::{FemError, System};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -61,20 +59,15 @@ struct Stage<T, const N: usize, const W: usize> {
 }
 
 impl<T: Real> Hierarchy<T> {
-    /// Builds the levels for the unknowns of a stiffness matrix: components whose `mask` is 1. Where it is of ten-node cells,
-    /// `linear` says what their vertices are.
+    /// Builds the levels for the unknowns of a system, with this smoother or the one that suits it.
     ///
     /// # Errors
-    /// [`FemError::NotPositiveDefinite`], at times for rounding; as the direct method's.
-    pub fn new(
-        stiffness: &BlockMatrix,
-        linear: Option<&Linear>,
-        points: &[DVec3],
-        mask: &[DVec3],
-    ) -> Result<Self, FemError> {
-        let Some(linear) = linear else {
+    /// [`FemError::Multigrid`] where a level is not positive definite, mostly for rounding; as the direct method's.
+    pub fn of(system: &System, smoother: Option<Kind>) -> Result<Self, FemError> {
+        let (stiffness, points, mask) = (&system.stiffness, &system.points, system.numbering.mask());
+        let Some(linear) = &system.linear else {
             let finest = finest(stiffness, points, mask)?;
-            return Self::below(finest, None);
+            return Self::below(finest, None, smoother);
         };
         let count = linear.stiffness.rows();
         let top = finest::<T>(stiffness, points, mask)?;
@@ -86,10 +79,10 @@ impl<T: Real> Hierarchy<T> {
         };
         let way = Midpoints::new(top.a.order.natural.iter().map(ends).collect(), vertices.a.len());
         let free = [&top.a.order, &vertices.a.order].map(|order| free(order, mask));
-        Self::below(vertices, Some((top.a, way, free)))
+        Self::below(vertices, Some((top.a, way, free)), smoother)
     }
 
-    fn below(vertices: Finest<T>, midpoints: Option<Above<T>>) -> Result<Self, FemError> {
+    fn below(vertices: Finest<T>, midpoints: Option<Above<T>>, smoother: Option<Kind>) -> Result<Self, FemError> {
         let Finest { a, frame } = vertices;
         let top = midpoints.as_ref().map_or(&a.order, |(top, ..)| &top.order);
         let order = FinestOrder { natural: top.natural.clone(), place: top.place.clone() };
@@ -97,7 +90,7 @@ impl<T: Real> Hierarchy<T> {
         let strong = STRONG[usize::from(is_tight(largest))];
         let (way, mut next) = descend(&a, &frame, largest, strong)?;
         let size = way.as_ref().map_or(f64::INFINITY, |way| a.len() as f64 / way.coarse() as f64);
-        let kind = Kind::choose(largest, size);
+        let kind = smoother.unwrap_or_else(|| Kind::choose(largest, size));
         let mut bottom = if way.is_none() { Some(Bottom::new(&a)?) } else { None };
         let vertices = Stage { smoother: Smoother::new(a, kind, largest), way };
         let mut coarser = Vec::new();

@@ -67,7 +67,7 @@ pub(super) struct Bottom(Factor);
 
 impl Bottom {
     /// # Errors
-    /// As the direct method's.
+    /// [`FemError::Multigrid`] if the matrix is not positive definite; as the direct method's.
     pub fn new<T: Real, const N: usize, const W: usize>(a: &Operator<T, N, W>) -> Result<Self, FemError> {
         let mut graph = Graph { starts: vec![0], neighbours: Vec::new() };
         let mut lower = Lower { starts: vec![0], rows: Vec::new(), values: Vec::new() };
@@ -88,7 +88,12 @@ impl Bottom {
             }
         }
         let first: Vec<usize> = (0..=a.len()).map(|i| N * i).collect();
-        Ok(Self(Analysis::new(lower, &mut graph, &first)?.factorise()?))
+        match Analysis::new(lower, &mut graph, &first)?.factorise() {
+            Err(FemError::NotPositiveDefinite { detail }) => {
+                Err(FemError::Multigrid { detail: format!("{detail} on the last level") })
+            }
+            factor => Ok(Self(factor?)),
+        }
     }
 
     /// Solves `A z = r`.

@@ -23,3 +23,4 @@ mod transfer;
 
 pub(super) use hierarchy::Hierarchy;
 pub(super) use real::Real;
+pub(super) use smoother::Kind;

@@ -44,7 +44,7 @@ impl<T: Real, const N: usize, const W: usize> Operator<T, N, W> {
     /// Makes the matrix; `row` appends the entries of a node, given by its natural number, with their places.
     ///
     /// # Errors
-    /// [`FemError::NotPositiveDefinite`]: a diagonal block is not.
+    /// [`FemError::Multigrid`]: a diagonal block is not positive definite.
     pub fn new<R>(order: Order, row: R) -> Result<Self, FemError>
     where
         R: Fn(u32, &mut Entries<T, N, W>) + Sync,
@@ -103,8 +103,8 @@ impl<T: Real, const N: usize, const W: usize> Operator<T, N, W> {
             }
             part.lower.end_row();
             let own = &entries[rest[0].1 as usize].1;
-            let inverse = inverse(own).ok_or_else(|| FemError::NotPositiveDefinite {
-                detail: format!("node {} of {}", order.natural[i], order.len()),
+            let inverse = inverse(own).ok_or_else(|| FemError::Multigrid {
+                detail: format!("node {} of {} on a level", order.natural[i], order.len()),
             })?;
             part.diagonal.push(*own);
             part.inverses.push(inverse);

@@ -24,7 +24,7 @@ const INTERVAL: [f64; 2] = [0.03, 1.2];
 
 /// How a hierarchy smooths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(in super::super) enum Kind {
     /// A sweep of Gauss-Seidel by nodes, forward before the coarse correction, backward after.
     Sweeps,
     /// Chebyshev's polynomials in `D^-1 A`.

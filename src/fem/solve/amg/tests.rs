@@ -30,8 +30,7 @@ fn apply<T: super::Real>(hierarchy: &mut Hierarchy<T>, r: &[DVec3]) -> Vec<DVec3
 }
 
 fn hierarchy<T: super::Real>(system: &System) -> Hierarchy<T> {
-    let mask = system.numbering.mask();
-    Hierarchy::new(&system.stiffness, system.linear.as_ref(), &system.points, mask).unwrap()
+    Hierarchy::of(system, None).unwrap()
 }
 
 #[test]
