@@ -20,7 +20,7 @@ use std::cell::LazyCell;
 use std::path::Path;
 
 /// Distance from the mesh at which a point counts as outside, as a fraction of the diagonal of the bounding box.
-const OUTSIDE: f64 = 1e-6;
+pub(super) const OUTSIDE: f64 = 1e-6;
 
 /// The columns of a probe's table.
 const COLUMNS: [&str; 14] =
@@ -222,7 +222,7 @@ pub(super) fn points_inside(probes: &[Probe], mesh: &TetMesh) -> Vec<usize> {
     probes.iter().map(|probe| line(probe).iter().filter(|p| inside(p)).count()).collect()
 }
 
-/// Writes the probes of a solution, a file each; points outside the mesh have no values.
+/// Writes the probes of a solution on tetrahedra.
 pub(super) fn write_probes(
     folder: &Path,
     probes: &[Probe],
@@ -236,18 +236,30 @@ pub(super) fn write_probes(
     let recovered = recovered(analysed);
     let (state, locator) = (state(problem, analysed, &recovered), Locator::new(mesh));
     let outside = OUTSIDE * mesh.diagonal();
+    write_lines(folder, probes, &|p| {
+        let found = locator.nearest(p);
+        let inside = found.distance <= outside;
+        inside.then(|| (state.displacement(found.cell, found.weights), state.stress(found.cell, found.weights)))
+    })
+}
+
+/// Writes probes, a file each, of what is known at a place: displacement and stress, or nothing outside the body.
+pub(super) fn write_lines(
+    folder: &Path,
+    probes: &[Probe],
+    at: &dyn Fn(DVec3) -> Option<(DVec3, SymTensor)>,
+) -> Result<(), Error> {
     for probe in probes {
         let row = |p: DVec3| {
-            let found = locator.nearest(p);
             let mut row = vec![p.distance(probe.from), p.x, p.y, p.z];
-            if found.distance > outside {
-                row.resize(COLUMNS.len(), f64::NAN);
-                return row;
+            match at(p) {
+                None => row.resize(COLUMNS.len(), f64::NAN),
+                Some((displacement, stress)) => {
+                    row.extend(displacement.to_array());
+                    row.extend(stress);
+                    row.push(fem::von_mises(stress));
+                }
             }
-            let stress = state.stress(found.cell, found.weights);
-            row.extend(state.displacement(found.cell, found.weights).to_array());
-            row.extend(stress);
-            row.push(fem::von_mises(stress));
             row
         };
         let rows: Vec<Vec<f64>> = line(probe).into_iter().map(row).collect();

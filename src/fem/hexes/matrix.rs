@@ -180,7 +180,7 @@ impl Mass {
             let product = |i: usize| self.row(i).map(|(j, m)| m * x[j]).sum::<DVec3>();
             (0..b.len()).into_par_iter().with_min_len(512).map(product).collect()
         };
-        conjugate_gradients(times, &diagonal, b, MASS_TOLERANCE)
+        conjugate_gradients(times, &diagonal, b)
     }
 }
 
@@ -190,12 +190,7 @@ const MASS_ITERATIONS: usize = 2000;
 
 /// Solves three systems of one mass matrix, given as a product with it, by conjugate gradients with the diagonal as
 /// preconditioner: mass matrices are well conditioned then. Where the diagonal is zero the solution is.
-pub(super) fn conjugate_gradients(
-    times: impl Fn(&[DVec3]) -> Vec<DVec3>,
-    diagonal: &[f64],
-    b: &[DVec3],
-    tolerance: f64,
-) -> Vec<DVec3> {
+fn conjugate_gradients(times: impl Fn(&[DVec3]) -> Vec<DVec3>, diagonal: &[f64], b: &[DVec3]) -> Vec<DVec3> {
     let scaled = |r: &[DVec3]| -> Vec<DVec3> {
         r.iter().zip(diagonal).map(|(r, d)| if *d > 0.0 { *r / *d } else { DVec3::ZERO }).collect()
     };
@@ -204,7 +199,7 @@ pub(super) fn conjugate_gradients(
     let mut z = scaled(&r);
     let mut p = z.clone();
     let mut rz = dot(&r, &z);
-    let goal = rz * (tolerance * tolerance);
+    let goal = rz * (MASS_TOLERANCE * MASS_TOLERANCE);
     for _ in 0..MASS_ITERATIONS {
         if rz.cmple(goal).all() {
             break;

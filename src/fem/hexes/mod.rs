@@ -35,6 +35,7 @@ use crate::mesh::hex::HexMesh;
 use glam::{DMat3, DVec3};
 use lagrange::Lagrange;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// A mesh with the functions of its elements.
 #[derive(Debug)]
@@ -239,7 +240,12 @@ impl<'m> HexSpace<'m> {
 
     /// Something of each cell, computed in parallel.
     pub(super) fn of_cells<T: Send>(&self, of: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
-        (0..self.mesh.cells().len()).into_par_iter().map(of).collect()
+        self.of_some_cells(0..self.mesh.cells().len(), of)
+    }
+
+    /// Something of each of some cells, computed in parallel.
+    pub(super) fn of_some_cells<T: Send>(&self, cells: Range<usize>, of: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+        cells.into_par_iter().map(of).collect()
     }
 
     /// The cell of a boundary face (an index into [`HexMesh::faces`]) and its face there.

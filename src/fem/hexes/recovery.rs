@@ -1,151 +1,107 @@
-//! Recovered stress: the stress of the elements projected onto their functions in the mean square, region by region (the
-//! continuous L2 recovery of Kumar, Kvamsdal and Johannessen 2017; for trilinear cells that of Zienkiewicz and Zhu 1987).
+//! Recovered stress: in each cell the stress of the elements is fitted by the cell's functions in the mean square, and the
+//! coefficients that cells find for a function are averaged (Bezier projection, Thomas, Scott, Evans, Tew and Evans 2015; on
+//! trilinear cells extrapolation to the nodes and averaging there). Regions are kept apart, since stress may jump between them.
 
 use super::super::{Model, SymTensor};
-use super::matrix::conjugate_gradients;
 use super::rule::Quadrature;
 use super::stress::{material, strain};
 use super::{AtPoint, HexSolution, HexSpace};
 use crate::limit::Table;
-use glam::DVec3;
-use rayon::prelude::*;
-
-/// Relative residual of the projection.
-const TOLERANCE: f64 = 1e-10;
+use nalgebra::{DMatrix, SymmetricEigen};
 
 /// Cells that are worked off at a time.
 const BATCH: usize = 4096;
 
-/// Normal and shear components of a stress.
-type Halves = [DVec3; 2];
+/// Relative size of an eigenvalue of a cell's mass matrix, scaled to a unit diagonal, that counts as zero.
+const ZERO: f64 = 1e-11;
 
 /// The recovered stress by coefficients of the functions, for each region.
 #[derive(Debug, Clone)]
 pub struct RecoveredStress {
-    regions: Vec<Vec<Halves>>,
+    regions: Vec<Vec<SymTensor>>,
 }
+
+/// What a cell finds for each of its functions: a coefficient and its weight.
+type Found = Vec<(SymTensor, f64)>;
 
 impl RecoveredStress {
     /// Projects the stress of a solution.
     #[must_use]
     pub fn new(space: &HexSpace<'_>, model: &Model, solution: &HexSolution) -> Self {
-        let of_region = |region| Projection::new(space, region).stress(model, solution);
-        Self { regions: (0..space.mesh().region_names().len()).map(of_region).collect() }
+        // Halved where functions are no polynomials: there may be more of them than points otherwise.
+        let quadrature = Quadrature::halved(space, space.gauss_points().max(3), 1);
+        let fits = quadrature.each_class(fit);
+        let count = space.points().len();
+        let mut sums = vec![vec![([0.0; 6], 0.0); count]; space.mesh().region_names().len()];
+        for first in (0..space.mesh().cells().len()).step_by(BATCH) {
+            let batch = first..space.mesh().cells().len().min(first + BATCH);
+            let of = |t| of_cell(space, model, solution, t, (&quadrature, &fits[space.class(t)]));
+            let found: Vec<Found> = space.of_some_cells(batch.clone(), of);
+            for (t, found) in batch.zip(found) {
+                let own = &mut sums[space.mesh().regions()[t].0 as usize];
+                for (&v, (stress, weight)) in space.cell(t).iter().zip(found) {
+                    let (sum, total) = &mut own[v as usize];
+                    sum.iter_mut().zip(stress).for_each(|(sum, s)| *sum += weight * s);
+                    *total += weight;
+                }
+            }
+        }
+        let mean = |(sum, total): (SymTensor, f64)| if total > 0.0 { sum.map(|s| s / total) } else { sum };
+        Self { regions: sums.into_iter().map(|own| own.into_iter().map(mean).collect()).collect() }
     }
 
     /// The recovered stress at point `q` of a table of cell `t`.
     #[must_use]
     pub fn at(&self, space: &HexSpace<'_>, t: usize, table: &Table, q: usize) -> SymTensor {
         let own = &self.regions[space.mesh().regions()[t].0 as usize];
-        let mut halves = [DVec3::ZERO; 2];
+        let mut stress = [0.0; 6];
         for (&v, n) in space.cell(t).iter().zip(table.values_at(q)) {
-            (0..2).for_each(|h| halves[h] += *n * own[v as usize][h]);
+            stress.iter_mut().zip(own[v as usize]).for_each(|(sum, s)| *sum += n * s);
         }
-        joined(halves)
+        stress
     }
 }
 
-/// The projection over the cells of a region.
-struct Projection<'a, 'm> {
-    space: &'a HexSpace<'m>,
-    cells: Vec<usize>,
-    quadrature: Quadrature,
-    /// Weights times Jacobian determinants at the points of each cell.
-    volumes: Vec<Vec<f64>>,
-}
-
-impl<'a, 'm> Projection<'a, 'm> {
-    fn new(space: &'a HexSpace<'m>, region: usize) -> Self {
-        let cells: Vec<usize> =
-            (0..space.mesh().cells().len()).filter(|&t| space.mesh().regions()[t].0 as usize == region).collect();
-        // One point more than stiffness needs: the products of functions have a higher degree.
-        let quadrature = Quadrature::new(space, space.gauss_points().max(3));
-        let volumes = |t: &usize| -> Vec<f64> {
-            let (weights, table) = quadrature.of(space, *t);
-            let volume = |(q, w): (usize, &f64)| w * space.frame(*t, table, q).1.determinant();
-            weights.iter().enumerate().map(volume).collect()
-        };
-        let volumes = cells.par_iter().map(volumes).collect();
-        Self { space, cells, quadrature, volumes }
-    }
-
-    fn table(&self, t: usize) -> &Table {
-        self.quadrature.of(self.space, t).1
-    }
-
-    /// `sum over cells int N_i g` for a field g given at the points of a cell.
-    fn integrals<T: Send + Copy>(
-        &self,
-        zero: T,
-        of: impl Fn(usize, usize) -> Vec<T> + Sync,
-        add: impl Fn(&mut T, T),
-    ) -> Vec<T> {
-        let mut sums = vec![zero; self.space.points().len()];
-        for first in (0..self.cells.len()).step_by(BATCH) {
-            let batch = first..self.cells.len().min(first + BATCH);
-            let parts: Vec<Vec<T>> = batch.clone().into_par_iter().map(|i| of(i, self.cells[i])).collect();
-            for (i, part) in batch.zip(parts) {
-                let functions = self.space.cell(self.cells[i]);
-                functions.iter().zip(part).for_each(|(&v, x)| add(&mut sums[v as usize], x));
-            }
+/// The coefficients that a cell finds, weighted by the square of the functions in it.
+fn of_cell(
+    space: &HexSpace<'_>,
+    model: &Model,
+    solution: &HexSolution,
+    t: usize,
+    (quadrature, fit): (&Quadrature, &DMatrix<f64>),
+) -> Found {
+    let (weights, table) = quadrature.of(space, t);
+    let (material, mut at) = (material(space, model, t), AtPoint::default());
+    let mut found: Found = vec![([0.0; 6], 0.0); table.functions];
+    for (q, weight) in weights.iter().enumerate() {
+        space.at_point(t, table, q, &mut at);
+        let stress = material.stress(strain(space, &solution.displacement, t, &at));
+        for (a, (coefficient, total)) in found.iter_mut().enumerate() {
+            coefficient.iter_mut().zip(stress).for_each(|(sum, s)| *sum += fit[(a, q)] * s);
+            *total += weight * at.determinant * table.values_at(q)[a].powi(2);
         }
-        sums
     }
-
-    /// The mass matrix times a field.
-    fn mass(&self, x: &[DVec3]) -> Vec<DVec3> {
-        let of = |i: usize, t: usize| {
-            let (table, functions) = (self.table(t), self.space.cell(t));
-            let mut sums = vec![DVec3::ZERO; functions.len()];
-            for (q, volume) in self.volumes[i].iter().enumerate() {
-                let values = table.values_at(q);
-                let here: DVec3 = functions.iter().zip(values).map(|(&v, n)| *n * x[v as usize]).sum();
-                sums.iter_mut().zip(values).for_each(|(sum, n)| *sum += volume * n * here);
-            }
-            sums
-        };
-        self.integrals(DVec3::ZERO, of, |sum, x| *sum += x)
-    }
-
-    fn diagonal(&self) -> Vec<f64> {
-        let of = |i: usize, t: usize| {
-            let table = self.table(t);
-            let mut sums = vec![0.0; table.functions];
-            for (q, volume) in self.volumes[i].iter().enumerate() {
-                sums.iter_mut().zip(table.values_at(q)).for_each(|(sum, n)| *sum += volume * n * n);
-            }
-            sums
-        };
-        self.integrals(0.0, of, |sum, x| *sum += x)
-    }
-
-    fn stress(&self, model: &Model, solution: &HexSolution) -> Vec<Halves> {
-        let of = |i: usize, t: usize| {
-            let (table, material) = (self.table(t), material(self.space, model, t));
-            let (mut sums, mut at) = (vec![[DVec3::ZERO; 2]; table.functions], AtPoint::default());
-            for (q, volume) in self.volumes[i].iter().enumerate() {
-                self.space.at_point(t, table, q, &mut at);
-                let halves = halves(material.stress(strain(self.space, &solution.displacement, t, &at)));
-                for (sum, n) in sums.iter_mut().zip(table.values_at(q)) {
-                    (0..2).for_each(|h| sum[h] += volume * n * halves[h]);
-                }
-            }
-            sums
-        };
-        let right = self.integrals([DVec3::ZERO; 2], of, |sum, x| (0..2).for_each(|h| sum[h] += x[h]));
-        let diagonal = self.diagonal();
-        let [normal, shear] = [0, 1].map(|h| {
-            let right: Vec<DVec3> = right.iter().map(|r| r[h]).collect();
-            conjugate_gradients(|x| self.mass(x), &diagonal, &right, TOLERANCE)
-        });
-        normal.into_iter().zip(shear).map(|(n, s)| [n, s]).collect()
-    }
+    found
 }
 
-fn halves(s: SymTensor) -> Halves {
-    [DVec3::new(s[0], s[1], s[2]), DVec3::new(s[3], s[4], s[5])]
-}
-
-fn joined([n, s]: Halves) -> SymTensor {
-    [n.x, n.y, n.z, s.x, s.y, s.z]
+/// The matrix that makes of values at points the coefficients of the nearest combination of functions, and the smallest such
+/// where there are several.
+fn fit(weights: &[f64], table: &Table) -> DMatrix<f64> {
+    let n = table.functions;
+    let scaled = DMatrix::from_fn(n, weights.len(), |a, q| weights[q].sqrt() * table.values_at(q)[a]);
+    let sizes: Vec<f64> = scaled.row_iter().map(|row| row.norm()).collect();
+    let inverse = |size: f64| if size > 0.0 { 1.0 / size } else { 0.0 };
+    let unit = DMatrix::from_fn(n, weights.len(), |a, q| scaled[(a, q)] * inverse(sizes[a]));
+    let eigen = SymmetricEigen::new(&unit * unit.transpose());
+    let bound = ZERO * eigen.eigenvalues.amax();
+    let reciprocals = eigen.eigenvalues.map(|x| if x > bound { 1.0 / x } else { 0.0 });
+    let pseudo = &eigen.eigenvectors * DMatrix::from_diagonal(&reciprocals) * eigen.eigenvectors.transpose();
+    let mut fit = pseudo * unit;
+    for (a, mut row) in fit.row_iter_mut().enumerate() {
+        row *= inverse(sizes[a]);
+    }
+    for (q, mut column) in fit.column_iter_mut().enumerate() {
+        column *= weights[q].sqrt();
+    }
+    fit
 }

@@ -76,10 +76,20 @@ pub(super) struct Quadrature {
 impl Quadrature {
     /// `n` Gauss points a direction, in parts of cells that are no polynomials.
     pub fn new(space: &HexSpace<'_>, n: usize) -> Self {
-        let splits = |class| if space.is_regular(class) { 0 } else { space.options().splits };
+        Self::halved(space, n, 0)
+    }
+
+    /// As before, with parts that are halved so often at least.
+    pub fn halved(space: &HexSpace<'_>, n: usize, least: u32) -> Self {
+        let splits = |class| if space.is_regular(class) { 0 } else { space.options().splits.max(least) };
         let rules: Vec<Rule> = (0..space.classes()).map(|class| Rule::cube(n).split(splits(class))).collect();
         let tables = rules.par_iter().enumerate().map(|(class, rule)| space.table(class, &rule.points)).collect();
         Self { rules, tables }
+    }
+
+    /// Something of the weights and the functions of each class.
+    pub fn each_class<T: Send>(&self, of: impl Fn(&[f64], &Table) -> T + Sync) -> Vec<T> {
+        self.rules.par_iter().zip(&self.tables).map(|(rule, table)| of(&rule.weights, table)).collect()
     }
 
     /// The weights and the functions of cell `t`.

@@ -85,7 +85,7 @@ impl Analysed<'_> {
         Measured { spectrum, compliance: self.solution.compliance, tables: self.space.classes() }
     }
 
-    fn state<'a>(&'a self, problem: &'a ResolvedHexes) -> HexState<'a> {
+    pub(super) fn state<'a>(&'a self, problem: &'a ResolvedHexes) -> HexState<'a> {
         HexState { space: &self.space, model: &problem.model, solution: &self.solution, recovered: &self.recovered }
     }
 

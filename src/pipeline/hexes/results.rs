@@ -1,11 +1,12 @@
 //! The folder of a run on hexahedra.
 
+use super::super::quantities::{OUTSIDE, write_lines};
 use super::super::results::{Folder, step_file};
 use super::resolve::ResolvedHexes;
 use super::simulate::Step;
 use crate::error::Error;
 use crate::fem;
-use crate::fem::hexes::Lattice;
+use crate::fem::hexes::{HexLocator, Lattice};
 use crate::output::hex_vtk::write_hexes;
 use crate::output::options::FieldName;
 use crate::output::plot::error_histogram;
@@ -40,9 +41,26 @@ impl<'a> HexResults<'a> {
         if self.folder.scenario.output.vtk {
             self.vtk(step)?;
         }
+        self.probes(step)?;
         let label = format!("step {}: {} cells", step.index, step.relative_errors.len());
         self.errors.push((label, step.relative_errors.clone()));
         Ok(())
+    }
+
+    /// Writes the probes; those of the last step stay.
+    fn probes(&self, step: &Step<'_>) -> Result<(), Error> {
+        let probes = &self.folder.scenario.probes;
+        if probes.is_empty() {
+            return Ok(());
+        }
+        let (space, state) = (&step.analysed.space, step.analysed.state(self.problem));
+        let (locator, outside) = (HexLocator::new(space), OUTSIDE * space.mesh().diagonal());
+        write_lines(&self.folder.path(""), probes, &|p| {
+            let found = locator.nearest(p);
+            let table = space.table(space.class(found.cell), &[found.at]);
+            let values = || (state.displacement(found.cell, &table, 0), state.stress(found.cell, &table, 0));
+            (found.distance <= outside).then(values)
+        })
     }
 
     fn vtk(&mut self, step: &Step<'_>) -> Result<(), Error> {
