@@ -63,11 +63,11 @@ def leg(name, place):
         for j in range(GRID):
             if not (1 <= i < GRID - 1 and 1 <= j < GRID - 1):
                 corners = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]
-                patch(corners, {1: name + " end"} if i == GRID - 1 else {})
+                patch(corners, {1: name + "-end"} if i == GRID - 1 else {})
     for step in range(16):
         for ring in range(2):
             corners = [around(step, ring), around(step, ring + 1), around(step + 1, ring + 1), around(step + 1, ring)]
-            patch(corners, {3: name + " hole"} if ring == 0 else {})
+            patch(corners, {3: name + "-hole"} if ring == 0 else {})
 
 
 def bend():

@@ -25,7 +25,10 @@ CELL_ARRAYS = {
     "von_mises": (1, "f8", False),
     "error_indicator": (1, "f8", False),
     "marked": (1, "u1", False),
+    "regular": (1, "u1", False),
 }
+# Hexahedra: nodes along an edge.
+HEXAHEDRA = {(vtk.VTK_HEXAHEDRON, 8): 2, (vtk.VTK_LAGRANGE_HEXAHEDRON, 27): 3, (vtk.VTK_LAGRANGE_HEXAHEDRON, 64): 4}
 
 
 def collect_messages():
@@ -102,6 +105,9 @@ def check_names(path, grid, cells):
 
 def check_cells(path, grid, cells):
     kinds = {grid.GetCellType(i) for i in range(grid.GetNumberOfCells())}
+    if not kinds & {vtk.VTK_TETRA, vtk.VTK_QUADRATIC_TETRA}:
+        check_hexahedra(path, grid, cells)
+        return
     nodes = {vtk.VTK_TETRA: 4, vtk.VTK_QUADRATIC_TETRA: 10}
     assert len(kinds) == 1 and kinds <= set(nodes), f"{path}: not all tetrahedra of one kind"
     points = vtk_to_numpy(grid.GetPoints().GetData())
@@ -114,6 +120,27 @@ def check_cells(path, grid, cells):
     assert (cells["quality"] > 0).all() and (cells["quality"] < 70.53).all(), f"{path}: quality"
     if "marked" in cells:
         assert set(np.unique(cells["marked"])) <= {0, 1}, f"{path}: marked"
+
+
+def check_hexahedra(path, grid, cells):
+    """Nodes lie where VTK's parametric coordinates have them: near those of the trilinear cell, in which no order is mixed up."""
+    kinds = {(grid.GetCellType(i), grid.GetCell(i).GetNumberOfPoints()) for i in range(grid.GetNumberOfCells())}
+    assert len(kinds) == 1 and kinds <= set(HEXAHEDRA), f"{path}: not all hexahedra of one kind: {kinds}"
+    assert (cells["quality"] > 0).all() and (cells["quality"] <= 90.0001).all(), f"{path}: quality"
+    for i in range(grid.GetNumberOfCells()):
+        cell = grid.GetCell(i)
+        count = cell.GetNumberOfPoints()
+        points = np.array([cell.GetPoints().GetPoint(k) for k in range(count)])
+        at = np.array(cell.GetParametricCoords()).reshape(-1, 3)[:count] if count > 8 else CORNERS
+        assert np.linalg.det(points[[1, 3, 4]] - points[0]) > 0, f"{path}: cell {i} is twisted"
+        side = [[1 - t, t] for t in at.T]
+        shape = [side[0][x] * side[1][y] * side[2][z] for x, y, z in CORNERS.astype(int)]
+        off = np.linalg.norm(np.array(shape).T @ points[:8] - points, axis=1).max()
+        size = np.linalg.norm(points[1] - points[0])
+        assert off < 0.3 * size, f"{path}: cell {i}: a node is {off} off, the edge is {size} long"
+
+
+CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float)
 
 
 def check_collection(path, times):

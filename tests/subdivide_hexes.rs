@@ -47,7 +47,8 @@ fn the_bent_bracket_becomes_round() {
     // The plate's two legs less the holes, and the bend.
     let exact = 2.0 * 8.0 * (48.0 * 48.0 - PI * 49.0) + 48.0 * PI / 4.0 * (20.0 * 20.0 - 12.0 * 12.0);
     assert!((mesh.volume() / exact - 1.0).abs() < 1e-3 && (before.volume() / exact - 1.0).abs() > 4e-3);
-    assert!((area(&mesh, "base hole") / (2.0 * PI * 7.0 * 8.0) - 1.0).abs() < 1e-3);
+    // A control polygon is longer than its limit, by one part in 600 with 64 sides; the flat faces are shorter by one in 150.
+    assert!((area(&mesh, "base-hole") / (2.0 * PI * 7.0 * 8.0) - 1.0).abs() < 2e-3);
     assert!((figures["volume"].as_f64().unwrap() - mesh.volume()).abs() < 1e-9 * exact);
     // Five cells at four lines a leg, two layers thick at first.
     assert_eq!(figures["edge_valences"]["5"], 2 * 4 * 2 * 4);

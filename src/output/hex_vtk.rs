@@ -5,15 +5,16 @@ use super::options::Compression;
 use super::vtk::{Fields, check, coordinates, encoded};
 use super::{OutputError, field_data};
 use crate::fem::hexes::{HexSpace, Lattice};
-use crate::mesh::hex::to_vtk_order;
+use crate::mesh::hex::{min_dihedral, to_vtk_order};
 use std::path::Path;
 use vtkio::IOBuffer;
 use vtkio::model::{Attribute, Attributes, CellType, Cells, UnstructuredGridPiece, VertexNumbers};
 
 /// Writes the elements at the points of a lattice, and fields there, as a `.vtu` file: VTK's Lagrange hexahedra of the
 /// lattice's order, or linear ones for order 1. Lagrange cells of order three are the same polynomials as Catmull-Clark cells in
-/// regular grids, so that viewers show these exactly. The cell data `region` and `regular` (whether a cell is such a polynomial)
-/// are made from the mesh.
+/// regular grids, so that viewers show these exactly. The cell data `region`, `quality` (the smallest angle between faces at
+/// the corners of the straight cell, in degrees) and `regular` (whether a cell is such a polynomial) are made from the mesh; all
+/// cells have the same `refinement_level`.
 ///
 /// # Errors
 /// [`OutputError`] if a field does not fit or holds a value that is not finite, or if the file cannot be written.
@@ -22,7 +23,7 @@ pub fn write_hexes(
     space: &HexSpace<'_>,
     lattice: &Lattice,
     fields: &Fields<'_>,
-    compression: Compression,
+    (level, compression): (u8, Compression),
 ) -> Result<(), OutputError> {
     let cells = space.mesh().cells().len();
     check(path, &fields.points, lattice.sources.len())?;
@@ -40,6 +41,9 @@ pub fn write_hexes(
     let regular: Vec<u8> = (0..cells).map(|t| u8::from(space.is_regular(space.class(t)))).collect();
     data.cell.push(Attribute::generic("region", 1).with_data(regions));
     data.cell.push(Attribute::generic("regular", 1).with_data(regular));
+    data.cell.push(Attribute::generic("refinement_level", 1).with_data(vec![level; cells]));
+    let quality: Vec<f64> = (0..cells).map(|t| min_dihedral(&space.mesh().cell_points(t))).collect();
+    data.cell.push(Attribute::generic("quality", 1).with_data(quality));
     let piece = UnstructuredGridPiece {
         points: IOBuffer::F64(coordinates(&lattice.places(space))),
         cells: Cells {

@@ -27,7 +27,10 @@ pub struct HexSolution {
 #[must_use]
 pub fn recover_hexes(space: &HexSpace<'_>, model: &Model, system: &System, solved: &Solved) -> HexSolution {
     let u = &solved.displacement;
-    let mut reactions = reactions(model, system, &system.stiffness.times(u));
+    let mut internal = system.stiffness.times(u);
+    // A rigid motion has no bubbles: what holds these is no part of the force.
+    internal.iter_mut().zip(&system.loads).skip(space.placed()).for_each(|(inner, load)| *inner = *load);
+    let mut reactions = reactions(model, system, &internal);
     for (support, reaction) in model.supports.iter().zip(&mut reactions) {
         if support.stiffness != DVec3::ZERO {
             // The visitor has no errors.

@@ -88,7 +88,8 @@ impl<'a> HexResults<'a> {
             ]),
         };
         let name = step_file(step.index);
-        write_hexes(&self.folder.path(&name), space, &lattice, &fields, output.compression)?;
+        let level = u8::try_from(step.index).unwrap_or(u8::MAX);
+        write_hexes(&self.folder.path(&name), space, &lattice, &fields, (level, output.compression))?;
         self.folder.add(fields.time, name)
     }
 
