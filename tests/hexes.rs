@@ -18,7 +18,9 @@ fn report(scenario: &str, set: &[&str]) -> Value {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("results");
     let mut command = subsolid(&["run", scenario, "--json", "-", "--quiet", "--output", path.to_str().unwrap()]);
-    set.iter().for_each(|key| drop(command.args(["--set", key])));
+    for key in set {
+        command.args(["--set", key]);
+    }
     let output = command.output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).unwrap()
@@ -94,7 +96,9 @@ fn what_hexahedra_cannot_do_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("results");
         let mut command = subsolid(&["run", scenario, "--output", out.to_str().unwrap()]);
-        set.iter().for_each(|key| drop(command.args(["--set", key])));
+        for key in set {
+            command.args(["--set", key]);
+        }
         let output = command.output().unwrap();
         let text = String::from_utf8_lossy(&output.stderr).split_whitespace().collect::<Vec<_>>().join(" ");
         assert_eq!(output.status.code(), Some(code), "{scenario} {set:?}: {text}");

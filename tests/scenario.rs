@@ -186,7 +186,6 @@ fn an_unknown_value_lists_what_there_is() {
 #[test]
 fn what_the_format_reserves_is_refused_with_what_to_use() {
     for (text, word) in [
-        ("[analysis]\nelement = \"hex8\"", "\"tet10\""),
         ("[refine]\nboundary = \"fixed-trisection\"", "\"fixed\""),
         ("[refine]\nengine = \"x\"", "engine"),
         ("[mesh.box]\nsize = [1, 1, 1]\ncells = [1, 1, 1]\nelement = \"hex\"", "\"tet\""),

@@ -62,7 +62,7 @@ impl HexElement {
 }
 
 /// How hexahedral elements are made and integrated.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct HexOptions {
     /// The masks of a Catmull-Clark solid.
     pub masks: CatmullClark,
@@ -70,6 +70,12 @@ pub struct HexOptions {
     pub points: Option<usize>,
     /// How often cells near extraordinary edges, where functions are no polynomials, are halved for quadrature.
     pub splits: u32,
+}
+
+impl Default for HexOptions {
+    fn default() -> Self {
+        Self { masks: CatmullClark::default(), points: None, splits: 1 }
+    }
 }
 
 /// How the linear system is solved.

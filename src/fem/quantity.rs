@@ -331,7 +331,8 @@ mod tests {
         let volume = Cells { region: None, within }.points_volume(&space);
         let under = |y: f64| y / 2.0 - y * y / 4.0 + y.powi(3) / 6.0;
         let exact = 0.7 * (under(0.7) - under(0.2));
-        assert!((volume - exact).abs() < 2e-3 * exact, "{volume} {exact}");
+        // Four parts along an edge leave a sixteenth of the 8 % that straight cells are off.
+        assert!((volume - exact).abs() < 6e-3 * exact, "{volume} {exact}");
         let all = Cells { region: None, within: Some([DVec3::splat(-1.0), DVec3::splat(2.0)]) };
         assert!((all.points_volume(&space) - 1.0).abs() < 1e-13);
     }

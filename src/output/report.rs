@@ -489,7 +489,8 @@ pub(super) mod tests {
             ),
             (
                 "/steps/0/error",
-                "energy relative data normalised_mean normalised_mean_square true_energy true_relative effectivity",
+                "energy relative data straight_edges normalised_mean normalised_mean_square true_energy true_relative \
+                 effectivity",
             ),
             ("/steps/0/quality", "worst average best max_valence average_valence valence_above_50 inverted"),
             ("/steps/0/solver", "method reason iterations residual nonzeros"),

@@ -114,12 +114,18 @@ pub(super) fn simulate(
     })
 }
 
+/// Part of the error above which data that the elements do not see count as most of it.
+const MOSTLY: f64 = 0.5;
+
 /// The next mesh and its history: refined, and optimised for analysis where the scenario says so, with weights from the
 /// error estimate. The first `input` vertices are those of the mesh that was read.
 fn refine(step: &Step<'_>, history: &History, plan: &Plan<'_>, input: usize) -> Result<(TetMesh, History), Error> {
     let options = &plan.scenario.refine.options;
     let refined = subdiv::refine(step.mesh, history, step.selected, options)?;
-    if !options.optimise.ends_in_error() {
+    let errors = &step.analysed.errors;
+    // Of loads that elements do not see the displacement says nothing: cells that refinement makes for them are not worth their
+    // price by its derivatives, and would be taken away again.
+    if !options.optimise.ends_in_error() || errors.unseen() > MOSTLY * errors.energy() {
         return Ok((refined.mesh, refined.history));
     }
     let (space, solution, indicators) = (&step.analysed.space, &step.analysed.solution, step.analysed.indicators());

@@ -85,7 +85,7 @@ fn elements(raw: Option<RawAnalysis>, body: &MeshSource) -> Checked<(Element, Op
     let is_round = matches!(body, MeshSource::Shape(shape) if shape.is_curved());
     let interpolate = smooth && raw.interpolate.map_or(is_round, Spanned::into_inner);
     let points = raw.points.map(|n| integer(&n, 2..=10)).transpose()?;
-    let splits = raw.splits.map(|n| integer(&n, 0..=3)).transpose()?.unwrap_or(0);
+    let splits = raw.splits.map(|n| integer(&n, 0..=3)).transpose()?.unwrap_or(1);
     let options =
         HexOptions { masks: raw.masks.map(|m| *m.get_ref()).unwrap_or_default(), points, splits: splits as u32 };
     Ok((kind.unwrap_or_default(), kind.err().map(|element| Hexes { element, options, interpolate })))

@@ -7,15 +7,7 @@ use std::ops::Range;
 const RESERVED_KEYS: [&str; 6] = ["interfaces", "target_angle", "valence_limit", "quantity_error", "goal", "engine"];
 
 /// Values that the format reserves likewise, each with what to use today.
-const RESERVED_VALUES: [(&str, &str); 7] = [
-    ("hex", "tet"),
-    ("hex8", "tet10"),
-    ("hex20", "tet10"),
-    ("hex27", "tet10"),
-    ("catmull-clark", "tet10"),
-    ("catmull-clark+", "tet10"),
-    ("fixed-trisection", "fixed"),
-];
+const RESERVED_VALUES: [(&str, &str); 2] = [("hex", "tet"), ("fixed-trisection", "fixed")];
 
 /// How to write `expect.<name>.tolerance`.
 const TOLERANCE: &str = "for example tolerance = { relative = 0.01 } or { absolute = 1e-3 }";

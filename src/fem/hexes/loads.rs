@@ -3,7 +3,7 @@
 use super::super::FemError;
 use super::super::loads::{InCell, Integrals, OnFace};
 use super::rule::Quadrature;
-use super::{HexLocator, HexSpace, Rule, face_area};
+use super::{HexLocator, HexSpace, face_area};
 use crate::mesh::GroupId;
 use glam::DVec3;
 
@@ -12,13 +12,12 @@ const POINTS: usize = 5;
 
 /// Visits the Gauss points of a group's faces with the functions there: (function, value), the place and the area vector.
 pub(super) fn on_faces(space: &HexSpace<'_>, group: GroupId, visit: &mut OnFace<'_>) -> Result<(), FemError> {
-    let rules: [Rule; 6] = std::array::from_fn(|k| Rule::face(k, POINTS));
-    let tables: [super::Tables; 6] = std::array::from_fn(|k| space.tables(&rules[k].points));
+    let rules: [Quadrature; 6] = std::array::from_fn(|k| Quadrature::on_face(space, k, POINTS));
     let mut functions = Vec::new();
     for face in space.mesh().group_faces(group) {
         let (t, k) = space.cell_of_face(face);
-        let table = tables[k].of(space, t);
-        for (q, weight) in rules[k].weights.iter().enumerate() {
+        let (weights, table) = rules[k].of(space, t);
+        for (q, weight) in weights.iter().enumerate() {
             let (x, jacobian) = space.frame(t, table, q);
             functions.clear();
             functions.extend(space.cell(t).iter().copied().zip(table.values_at(q).iter().copied()));

@@ -47,6 +47,25 @@ impl Rule {
         rule
     }
 
+    /// The rule of a face on each of the `4^times` parts of the halved face.
+    fn split_face(self, k: usize, times: u32) -> Self {
+        if times == 0 {
+            return self;
+        }
+        let finer = self.split_face(k, times - 1);
+        let (mut rule, axis) = (Self::default(), k / 2);
+        for child in 0..4 {
+            let mut corner = DVec3::ZERO;
+            // Across the face points stay where they are: (s + s) / 2.
+            corner[axis] = (k % 2) as f64;
+            corner[(axis + 1) % 3] = f64::from(child & 1);
+            corner[(axis + 2) % 3] = f64::from(child >> 1);
+            rule.points.extend(finer.points.iter().map(|p| 0.5 * (*p + corner)));
+            rule.weights.extend(finer.weights.iter().map(|w| w / 4.0));
+        }
+        rule
+    }
+
     /// `n` Gauss points a direction on face `k` of the cube (see [`crate::mesh::hex::FACES`]).
     #[must_use]
     pub fn face(k: usize, n: usize) -> Self {
@@ -82,7 +101,16 @@ impl Quadrature {
     /// As before, with parts that are halved so often at least.
     pub fn halved(space: &HexSpace<'_>, n: usize, least: u32) -> Self {
         let splits = |class| if space.is_regular(class) { 0 } else { space.options().splits.max(least) };
-        let rules: Vec<Rule> = (0..space.classes()).map(|class| Rule::cube(n).split(splits(class))).collect();
+        Self::of_rules(space, (0..space.classes()).map(|class| Rule::cube(n).split(splits(class))).collect())
+    }
+
+    /// `n` Gauss points a direction on face `k` of the cells, in parts where they are no polynomials.
+    pub fn on_face(space: &HexSpace<'_>, k: usize, n: usize) -> Self {
+        let splits = |class| if space.is_regular(class) { 0 } else { space.options().splits };
+        Self::of_rules(space, (0..space.classes()).map(|class| Rule::face(k, n).split_face(k, splits(class))).collect())
+    }
+
+    fn of_rules(space: &HexSpace<'_>, rules: Vec<Rule>) -> Self {
         let tables = rules.par_iter().enumerate().map(|(class, rule)| space.table(class, &rule.points)).collect();
         Self { rules, tables }
     }

@@ -8,6 +8,8 @@ use crate::field::{Field, Function, VectorField};
 use crate::mesh::GroupId;
 use crate::mesh::generate::box_tets;
 use crate::mesh::hex::generate::{box_hexes, from_tets, prism};
+use crate::subdiv::catmull_clark;
+use crate::subdiv::options::CatmullClark;
 
 const ALL: [HexElement; 5] =
     [HexElement::Hex8, HexElement::Hex20, HexElement::Hex27, HexElement::CatmullClark, HexElement::CatmullClarkPlus];
@@ -118,7 +120,6 @@ fn errors_under_the_tractions_of_a_harmonic_potential() {
             let space = HexSpace::new(&mesh, element, HexOptions::default());
             let (solution, model) = under_tractions(&space, harmonic);
             let error = energy_error(&space, &model, &solution, harmonic);
-            println!("{element:?} {n}: {error:.5e}, expected {want}");
             if (error - want).abs() > digits {
                 wrong.push((element, n, error, want));
             }
@@ -128,7 +129,7 @@ fn errors_under_the_tractions_of_a_harmonic_potential() {
 }
 
 /// The bar [0, 4] x [0, 1] x [0, 1] clamped at both ends under a load on its top.
-fn bar(element: HexElement, nx: usize) -> (usize, f64, f64) {
+fn bar(element: HexElement, nx: usize) -> ((usize, f64, f64), Spectrum) {
     let mesh = box_hexes([4.0, 1.0, 1.0], [nx, nx / 4, nx / 4]).unwrap().with_creases(30.0, &[]);
     let space = HexSpace::new(&mesh, element, HexOptions::default());
     let group = |name| mesh.group(name).unwrap();
@@ -154,30 +155,36 @@ fn bar(element: HexElement, nx: usize) -> (usize, f64, f64) {
             lowest = lowest.min(space.interpolate(&solution.displacement, t, tables.of(&space, t), q).z);
         }
     }
-    println!("{:?}", Spectrum::of(&system));
-    (system.free_dofs(), -lowest, solution.compliance)
+    ((system.free_dofs(), -lowest, solution.compliance), Spectrum::of(&system))
 }
 
 #[test]
 fn a_clamped_bar() {
     use HexElement::{CatmullClark as Cc, CatmullClarkPlus as Plus, Hex8, Hex20, Hex27};
+    // Unknowns, largest displacement, compliance, condition number plain and scaled, iterations with scaling.
     let expected = [
-        (Hex8, 16, 1125, 13.160, 31.155),
-        (Hex20, 8, 657, 13.653, 32.160),
-        (Hex20, 16, 4125, 13.931, 33.021),
-        (Hex27, 8, 1125, 13.763, 32.647),
-        (Hex27, 16, 7533, 13.967, 33.198),
-        (Cc, 4, 36, 11.509, 26.811),
-        (Cc, 8, 189, 12.751, 30.118),
-        (Cc, 16, 1125, 13.755, 32.582),
-        (Plus, 16, 2499, 13.999, 33.298),
+        (Hex8, 16, 1125, 13.160, 31.155, [1.2e3, 9.1e2], 40..100),
+        (Hex20, 8, 657, 13.653, 32.160, [3.8e3, 2.5e3], 98..101),
+        (Hex20, 16, 4125, 13.931, 33.021, [1.4e4, 1.0e4], 182..185),
+        (Hex27, 8, 1125, 13.763, 32.647, [2.7e3, 1.7e3], 69..72),
+        (Hex27, 16, 7533, 13.967, 33.198, [8.9e3, 6.8e3], 141..144),
+        (Cc, 4, 36, 11.509, 26.811, [1.0e2, 1.0e2], 10..11),
+        (Cc, 8, 189, 12.751, 30.118, [1.5e2, 1.4e2], 45..48),
+        (Cc, 16, 1125, 13.755, 32.582, [4.9e2, 4.6e2], 94..97),
+        (Plus, 16, 2499, 13.999, 33.298, [3.7e8, 4.0e3], 372..376),
     ];
     let mut wrong = Vec::new();
-    for (element, nx, dofs, displacement, compliance) in expected {
-        let got = bar(element, nx);
-        println!("{element:?} {nx}: {got:?}, expected {dofs} {displacement} {compliance}");
-        if got.0 != dofs || (got.1 - displacement).abs() > 6e-4 || (got.2 - compliance).abs() > 6e-4 {
-            wrong.push((element, nx, got));
+    for (element, nx, dofs, displacement, compliance, conditions, iterations) in expected {
+        let (got, spectrum) = bar(element, nx);
+        let near = |got: f64, want: f64| (got / want - 1.0).abs() < 0.1;
+        let right = got.0 == dofs
+            && (got.1 - displacement).abs() < 6e-4
+            && (got.2 - compliance).abs() < 6e-4
+            && near(spectrum.condition, conditions[0])
+            && near(spectrum.scaled_condition, conditions[1])
+            && iterations.contains(&spectrum.scaled_iterations);
+        if !right {
+            wrong.push((element, nx, got, spectrum));
         }
     }
     assert!(wrong.is_empty(), "{wrong:?}");
@@ -202,7 +209,6 @@ fn patch_test() {
         let stress = |_: DVec3| [1.0, -0.4, 0.3, 0.2, 0.7, -0.5];
         let (solution, model) = under_tractions(&space, stress);
         let error = energy_error(&space, &model, &solution, stress);
-        println!("{element:?}: {error:.3e}");
         assert!(error < 1e-12, "{element:?}: {error:.3e}");
     }
 }
@@ -217,16 +223,17 @@ fn element_points(element: HexElement) -> Option<usize> {
 #[test]
 fn orders_of_convergence_around_extraordinary_edges() {
     for sides in [3, 5] {
-        let error = |n: usize| {
-            let mesh = prism(sides, 1.0, 1.0, [n, n]).unwrap().with_creases(30.0, &[]);
+        // Refined by its masks the body stays as it is, and so does the way its cells are mapped.
+        let error = |steps: usize| {
+            let mut mesh = prism(sides, 1.0, 1.0, [2, 2]).unwrap().with_creases(30.0, &[]);
+            (0..steps).for_each(|_| mesh = catmull_clark::refine(&mesh, CatmullClark::Bajaj).unwrap().mesh);
             let options = HexOptions { splits: 1, ..HexOptions::default() };
             let space = HexSpace::new(&mesh, HexElement::CatmullClarkPlus, options);
             let (solution, model) = under_tractions(&space, harmonic);
             energy_error(&space, &model, &solution, harmonic)
         };
-        let errors = [2, 4, 8].map(error);
+        let errors = [0, 1, 2].map(error);
         let order = (errors[1] / errors[2]).log2();
-        println!("{sides} sides: {errors:?}, order {order:.3}");
         assert!(order > 1.7, "{sides} sides: {errors:?}");
     }
 }
@@ -250,23 +257,21 @@ fn patch_test_around_extraordinary_edges() {
                 energy_error(&space, &model, &solution, stress)
             };
             let errors = [0, 1, 2].map(error);
-            println!("{name}, {element:?}: {errors:?}");
-            assert!(errors[0] < 5e-4 && errors[1] < errors[0] && errors[2] < errors[1], "{name}: {errors:?}");
+            // One split is the default.
+            assert!(errors[1] < 2e-4 && errors[1] < errors[0] && errors[2] < errors[1], "{name}: {errors:?}");
         }
     }
 }
 
-/// A rigid rotation prescribed at one end and nothing at the other is exact, and stores no energy.
+/// An infinitesimal rotation prescribed at one end and nothing at the other is exact, and stores no energy.
 #[test]
 fn affine_displacements_of_supports_are_exact() {
     let mesh = prism(5, 1.0, 2.0, [1, 2]).unwrap();
     let group = |name: &str| mesh.group(name).unwrap();
     let ends = [group("z-min"), group("z-max")];
     let mesh = mesh.with_creases(30.0, &ends);
-    let turn = |c: usize| {
-        let rotation = DMat3::from_rotation_y(0.3) - DMat3::IDENTITY;
-        Some(Field::Function(Function::new("rotation", move |x| (rotation * x)[c])))
-    };
+    let turn =
+        |c: usize| Some(Field::Function(Function::new("rotation", move |x| DVec3::new(0.2, 0.3, 0.5).cross(x)[c])));
     let support = |group| Support { displacement: [0, 1, 2].map(turn), ..Support::new("end", group, [None; 3]) };
     let model = Model { materials: vec![material()], supports: vec![support(ends[0])], loads: Vec::new() };
     for element in ALL {
