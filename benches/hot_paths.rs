@@ -6,10 +6,14 @@ use divan::Bencher;
 use divan::counter::ItemsCount;
 use glam::DVec3;
 use subsolid::adapt::{self, options::Estimator};
-use subsolid::fem::options::{Element, Method, SolverOptions};
+use subsolid::fem::hexes::{HexSpace, Rule, assemble_hexes};
+use subsolid::fem::options::{Element, HexElement, HexOptions, Method, SolverOptions};
 use subsolid::fem::{self, Load, LoadKind, Material, Model, Support};
+use subsolid::limit::Basis;
+use subsolid::mesh::hex::{self, HexMesh};
 use subsolid::mesh::{TetMesh, features, generate};
-use subsolid::subdiv::options::{Boundary, Mode, Objective, Optimise, Options, Scheme};
+use subsolid::subdiv::catmull_clark;
+use subsolid::subdiv::options::{Boundary, CatmullClark, Mode, Objective, Optimise, Options, Scheme};
 use subsolid::subdiv::{self, Directions, History, Weights};
 
 fn main() {
@@ -80,6 +84,34 @@ fn assemble(bencher: Bencher, (element, bricks): (Element, usize)) {
     let model = model(&mesh);
     let space = fem::Space::new(&mesh, element, &[]);
     bencher.counter(ItemsCount::new(mesh.tets().len())).bench(|| fem::assemble(&space, &model).unwrap());
+}
+
+/// A tube as a control mesh, refined once: 2,048 cells.
+fn tube() -> HexMesh {
+    let tube = hex::generate::tube([1.0, 2.0], 1.0, [4, 16, 4], false).unwrap().with_creases(40.0, &[]);
+    catmull_clark::refine(&tube, CatmullClark::Bajaj).unwrap().mesh
+}
+
+/// The functions of cells around edges where three and five cells meet, at 64 points split once; the rate is tables a second.
+#[divan::bench(args = [3, 5])]
+fn tabulate_catmull_clark(bencher: Bencher, sides: usize) {
+    let mesh = hex::generate::prism(sides, 1.0, 1.0, [2, 4]).unwrap().with_creases(40.0, &[]);
+    let points = Rule::cube(4).split(1).points;
+    let basis = Basis::new(&mesh, CatmullClark::Bajaj, false);
+    bencher.counter(ItemsCount::new(basis.classes())).bench(|| basis.tabulate(&points));
+}
+
+/// Rings, tables and stiffness of 2,048 cells.
+#[divan::bench(args = [HexElement::Hex27, HexElement::CatmullClark], sample_count = 10)]
+fn assemble_hexahedra(bencher: Bencher, element: HexElement) {
+    let mesh = tube();
+    let mut model = model(&cube(1));
+    model.supports = vec![Support::new("clamp", mesh.group("z-min").unwrap(), [Some(0.0); 3])];
+    model.loads = Vec::new();
+    bencher.counter(ItemsCount::new(mesh.cells().len())).bench(|| {
+        let space = HexSpace::new(&mesh, element, HexOptions::default());
+        assemble_hexes(&space, &model).unwrap()
+    });
 }
 
 /// Vectors as long as there are nodes.

@@ -88,7 +88,7 @@ fn what_hexahedra_cannot_do_is_refused() {
     let cases: [(&str, &[&str], i32, &str); 5] = [
         ("scenarios/bridge.toml", &["refine.strategy=\"adaptive\""], 3, "refined globally"),
         ("scenarios/bridge.toml", &["refine.scheme=\"sqrt3\""], 3, "is for tetrahedra"),
-        ("scenarios/bridge.toml", &[hex, "analysis.splits=1"], 3, "Catmull-Clark"),
+        ("scenarios/bridge.toml", &["analysis={ element = \"tet10\", splits = 1 }"], 3, "Catmull-Clark"),
         ("scenarios/fichera.toml", &[hex, "refine={}", "quantities={}", "expect={}", "adapt={}"], 4, "tetrahedra only"),
         ("scenarios/bracket.toml", &[hex, "refine={}", "adapt={}"], 4, "hexahedra"),
     ];

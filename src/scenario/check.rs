@@ -73,12 +73,12 @@ fn elements(raw: Option<RawAnalysis>, body: &MeshSource) -> Checked<(Element, Op
         Err(Fault::new(span, format!("is for {of}"), "not with this element").help(help))
     };
     match (&raw.masks, &raw.points, &raw.splits) {
-        (Some(masks), ..) if !smooth => return idle(masks.span(), "Catmull-Clark solids", "catmull-clark"),
+        (Some(masks), ..) if kind.is_ok() => return idle(masks.span(), "Catmull-Clark solids", "catmull-clark"),
         (_, Some(points), _) if kind.is_ok() => return idle(points.span(), "hexahedra", "hex27"),
-        (.., Some(splits)) if !smooth => return idle(splits.span(), "Catmull-Clark solids", "catmull-clark"),
+        (.., Some(splits)) if kind.is_ok() => return idle(splits.span(), "Catmull-Clark solids", "catmull-clark"),
         _ => {}
     }
-    if let Some(interpolate) = raw.interpolate.as_ref().filter(|_| !smooth) {
+    if let Some(interpolate) = raw.interpolate.as_ref().filter(|_| kind.is_ok()) {
         return idle(interpolate.span(), "Catmull-Clark solids", "catmull-clark");
     }
     // The vertices of generated bodies lie on them.
