@@ -67,6 +67,13 @@ fn energy_grows_as_spaces_are_refined() {
     }
 }
 
+/// A step has eight times the cells: it is not begun where that cannot fit.
+#[test]
+fn a_step_above_the_memory_allowed_is_not_made() {
+    let report = report("scenarios/bridge.toml", &["refine.steps=3", "refine.stop.max_memory=\"1 MiB\""]);
+    assert_eq!((report["steps"].as_array().unwrap().len(), &report["stop_reason"]), (1, &Value::from("max_memory")));
+}
+
 #[test]
 fn the_same_bytes_on_any_number_of_threads() {
     let folder = tempfile::tempdir().unwrap();

@@ -302,6 +302,16 @@ impl MeshCounts {
     }
 }
 
+impl ErrorRecord {
+    /// `normalised_mean` and `normalised_mean_square` of the squared errors of cells, with the unit M. Where nothing has an error,
+    /// they are zero too.
+    #[must_use]
+    pub fn normalised(squared: &[f64], unit: f64) -> [f64; 2] {
+        let mean = |sum: f64, unit: f64| if unit == 0.0 { 0.0 } else { sum / squared.len() as f64 / unit };
+        [mean(squared.iter().map(|e| e.sqrt()).sum(), unit), mean(squared.iter().sum(), unit * unit)]
+    }
+}
+
 impl MeshCounts {
     /// Counts and measures a hexahedral mesh, by its straight edges.
     #[must_use]

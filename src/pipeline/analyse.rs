@@ -249,16 +249,14 @@ impl Analysed<'_> {
 
     fn error_record(&self, problem: &Resolved, unit: f64) -> ErrorRecord {
         let exact = problem.exact.map(|e| e.error(&self.space, &problem.model, &self.solution));
-        let squared = &self.errors.squared;
-        // Where nothing has an error, the normalised error is zero too.
-        let mean = |sum: f64, unit: f64| if unit == 0.0 { 0.0 } else { sum / squared.len() as f64 / unit };
+        let [normalised_mean, normalised_mean_square] = ErrorRecord::normalised(&self.errors.squared, unit);
         ErrorRecord {
             energy: self.energy_error(),
             relative: self.relative_error(),
             data: self.errors.unseen(),
             straight_edges: self.straight_edges(),
-            normalised_mean: mean(squared.iter().map(|e| e.sqrt()).sum(), unit),
-            normalised_mean_square: mean(squared.iter().sum(), unit * unit),
+            normalised_mean,
+            normalised_mean_square,
             true_energy: exact.map(|e| e.energy),
             true_relative: exact.map(|e| e.relative),
             effectivity: exact.map(|e| self.energy_error() / e.energy),

@@ -66,24 +66,9 @@ pub fn resolve(scenario: &Scenario, mesh: TetMesh) -> Result<Resolved, ModelErro
 /// # Errors
 /// As [`resolve`].
 pub fn resolve_curved(scenario: &Scenario, mesh: TetMesh, midsides: Vec<Midside>) -> Result<Resolved, ModelError> {
-    let chosen = choose_materials(&scenario.materials, &mesh)?;
-    if scenario.supports.is_empty() {
-        return Err(ModelError::NoSupports);
-    }
-    let mut targets = Targets::new(Tets { mesh, midsides });
-    let exact = scenario.exact.as_ref().map(|e| quantities::exact(e, &chosen, &mut targets)).transpose()?;
-    let supports = scenario.supports.iter().map(|s| targets.support(s, exact)).collect::<Result<Vec<_>, _>>()?;
-    let mut loads = Vec::new();
-    for load in &scenario.loads {
-        if let LoadKind::Gravity(_) = load.kind {
-            check_density(format!("load `{}` is gravity", load.name), &load.place, &chosen)?;
-        }
-        loads.push(fem::Load { name: load.name.clone(), kind: targets.load(load)? });
-    }
-    let quantities = quantities::resolve(scenario, &chosen, &mut targets)?;
+    let Found { targets, model, quantities, exact } = find(scenario, Tets { mesh, midsides })?;
     let goal = scenario.adapt.goal.as_ref().and_then(|goal| quantities.iter().position(|q| q.name == *goal));
     let Targets { body: Tets { mesh, midsides }, selections, .. } = targets;
-    let model = Model { materials: chosen.iter().map(|m| properties(m)).collect(), supports, loads };
     // A known solution brings loads that the model does not list.
     let with_place = |error| with_place(scenario, error);
     let space = Space::new(&mesh, scenario.element, &midsides);
@@ -95,6 +80,38 @@ pub fn resolve_curved(scenario: &Scenario, mesh: TetMesh, midsides: Vec<Midside>
     drop(space);
     let mesh = with_features(scenario, mesh)?;
     Ok(Resolved { mesh, midsides, element: scenario.element, model, quantities, goal, exact, selections, warnings })
+}
+
+/// What a scenario's words mean on a body: groups, regions and materials found.
+pub(super) struct Found<B> {
+    pub targets: Targets<B>,
+    pub model: Model,
+    pub quantities: Vec<fem::Quantity>,
+    pub exact: Option<fem::Exact>,
+}
+
+/// Finds what a scenario names on a body of any kind of cells.
+///
+/// # Errors
+/// As [`resolve`], but for features.
+pub(super) fn find<B: Body>(scenario: &Scenario, body: B) -> Result<Found<B>, ModelError> {
+    let mut targets = Targets::new(body);
+    let chosen = choose_materials(&scenario.materials, targets.mesh())?;
+    if scenario.supports.is_empty() {
+        return Err(ModelError::NoSupports);
+    }
+    let exact = scenario.exact.as_ref().map(|e| quantities::exact(e, &chosen, &mut targets)).transpose()?;
+    let supports = scenario.supports.iter().map(|s| targets.support(s, exact)).collect::<Result<Vec<_>, _>>()?;
+    let mut loads = Vec::new();
+    for load in &scenario.loads {
+        if let LoadKind::Gravity(_) = load.kind {
+            check_density(format!("load `{}` is gravity", load.name), &load.place, &chosen)?;
+        }
+        loads.push(fem::Load { name: load.name.clone(), kind: targets.load(load)? });
+    }
+    let quantities = quantities::resolve(scenario, &chosen, &mut targets)?;
+    let model = Model { materials: chosen.iter().map(|m| properties(m)).collect(), supports, loads };
+    Ok(Found { targets, model, quantities, exact })
 }
 
 /// Checks that the supports stop every rigid motion of every part.

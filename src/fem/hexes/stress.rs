@@ -2,7 +2,7 @@
 
 use super::super::assembly::System;
 use super::super::recover::reactions;
-use super::super::{Material, Model, Solved, SolverInfo, SymTensor};
+use super::super::{Material, Model, Solved, SolverInfo, SymTensor, tet4};
 use super::rule::Quadrature;
 use super::{AtPoint, HexSpace, loads};
 use crate::limit::Table;
@@ -73,17 +73,8 @@ pub(super) fn material<'a>(space: &HexSpace<'_>, model: &'a Model, t: usize) -> 
 
 /// The strain of a displacement where the functions of cell `t` have these gradients.
 pub(super) fn strain(space: &HexSpace<'_>, u: &[DVec3], t: usize, at: &AtPoint) -> SymTensor {
-    let mut e = [0.0; 6];
-    for (&v, g) in space.cell(t).iter().zip(&at.gradients) {
-        let u = u[v as usize];
-        e[0] += u.x * g.x;
-        e[1] += u.y * g.y;
-        e[2] += u.z * g.z;
-        e[3] += 0.5 * (u.x * g.y + u.y * g.x);
-        e[4] += 0.5 * (u.y * g.z + u.z * g.y);
-        e[5] += 0.5 * (u.x * g.z + u.z * g.x);
-    }
-    e
+    let own = space.cell(t).iter().map(|&v| u[v as usize]);
+    tet4::strain(at.gradients.iter().copied().zip(own))
 }
 
 impl HexSolution {

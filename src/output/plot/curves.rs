@@ -82,6 +82,18 @@ fn draw(page: &Area<'_>, axis: Axis, source: &str, runs: &[Run<'_>]) -> Result<(
             .label(format!("slope -{degree}/3"))
             .legend(|(x, y)| DashedPathElement::new(vec![(x, y), (x + 36, y)], 8, 6, GREY.stroke_width(2)));
     }
+    draw_runs(&mut chart, runs, SeriesLabelPosition::UpperRight)
+}
+
+/// A chart of logarithms.
+pub(super) type Chart<'a> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<MarkedAxis, MarkedAxis>>;
+
+/// Draws curves with markers, and what they are called in a corner.
+pub(super) fn draw_runs<'a>(
+    chart: &mut Chart<'a>,
+    runs: &[Run<'_>],
+    corner: SeriesLabelPosition,
+) -> Result<(), Box<dyn std::error::Error>> {
     for (i, run) in runs.iter().enumerate() {
         let colour = COLOURS[i % COLOURS.len()];
         chart.draw_series(LineSeries::new(run.points.iter().copied(), colour.stroke_width(3)))?.label(run.name).legend(
@@ -95,7 +107,7 @@ fn draw(page: &Area<'_>, axis: Axis, source: &str, runs: &[Run<'_>]) -> Result<(
     }
     chart
         .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
+        .position(corner)
         .margin(14)
         .legend_area_size(46)
         .label_font(("sans-serif", TEXT))
@@ -106,7 +118,7 @@ fn draw(page: &Area<'_>, axis: Axis, source: &str, runs: &[Run<'_>]) -> Result<(
 }
 
 /// A disc for the first run, a square for the second, and so on in turns, so that no reader depends on colour.
-pub(super) fn marker(run: usize, (x, y): (i32, i32), colour: RGBColor) -> Polygon<(i32, i32)> {
+fn marker(run: usize, (x, y): (i32, i32), colour: RGBColor) -> Polygon<(i32, i32)> {
     let corners = if run.is_multiple_of(2) { 24 } else { 4 };
     let corner = |i: usize| {
         let angle = std::f64::consts::TAU * (i as f64 + 0.5) / corners as f64;

@@ -1,7 +1,7 @@
 //! Several quantities against one, side by side, in double logarithmic scale.
 
-use super::curves::{Run, logarithms, marked, marker, padded};
-use super::{Area, COLOURS, PALE, TEXT, TITLE, style, ticks, write_svg};
+use super::curves::{Run, draw_runs, logarithms, marked, padded};
+use super::{Area, PALE, TEXT, TITLE, style, ticks, write_svg};
 use crate::output::OutputError;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
@@ -48,25 +48,5 @@ fn draw(area: &Area<'_>, x_label: &str, panel: &Panel<'_>) -> Result<(), Box<dyn
         .y_label_formatter(&|y| ticks::number(10_f64.powf(*y)))
         .x_desc(x_label)
         .draw()?;
-    for (i, run) in runs.iter().enumerate() {
-        let colour = COLOURS[i % COLOURS.len()];
-        chart.draw_series(LineSeries::new(run.points.iter().copied(), colour.stroke_width(3)))?.label(run.name).legend(
-            move |(x, y)| {
-                EmptyElement::at((x, y))
-                    + PathElement::new(vec![(0, 0), (36, 0)], colour.stroke_width(3))
-                    + marker(i, (18, 0), colour)
-            },
-        );
-        chart.draw_series(run.points.iter().map(|&p| EmptyElement::at(p) + marker(i, (0, 0), colour)))?;
-    }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::LowerRight)
-        .margin(10)
-        .legend_area_size(46)
-        .label_font(("sans-serif", TEXT))
-        .background_style(WHITE)
-        .border_style(PALE)
-        .draw()?;
-    Ok(())
+    draw_runs(&mut chart, &runs, SeriesLabelPosition::LowerRight)
 }

@@ -126,16 +126,14 @@ impl Analysed<'_> {
 
     fn error_record(&self, problem: &ResolvedHexes, unit: f64) -> ErrorRecord {
         let exact = problem.exact.map(|e| e.error_on_hexes(&self.space, &problem.model, &self.solution));
-        let squared = &self.errors.squared;
-        // Where nothing has an error, the normalised error is zero too.
-        let mean = |sum: f64, unit: f64| if unit == 0.0 { 0.0 } else { sum / squared.len() as f64 / unit };
+        let [normalised_mean, normalised_mean_square] = ErrorRecord::normalised(&self.errors.squared, unit);
         ErrorRecord {
             energy: self.errors.energy(),
             relative: self.relative_error(),
             data: 0.0,
             straight_edges: 0.0,
-            normalised_mean: mean(squared.iter().map(|e| e.sqrt()).sum(), unit),
-            normalised_mean_square: mean(squared.iter().sum(), unit * unit),
+            normalised_mean,
+            normalised_mean_square,
             true_energy: exact.map(|e| e.energy),
             true_relative: exact.map(|e| e.relative),
             effectivity: exact.map(|e| self.errors.energy() / e.energy),

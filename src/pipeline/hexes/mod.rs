@@ -59,7 +59,11 @@ fn load(scenario: &Scenario) -> Result<(HexMesh, Vec<String>), Error> {
         MeshSource::Box { size, cells } => generate::box_hexes(*size, *cells)?,
         MeshSource::File(file) => {
             let file = read(&find(file, &scenario.directory)?)?;
-            return Ok((file.mesh, file.notes));
+            let mut notes = file.notes;
+            if !file.midsides.is_empty() {
+                notes.push(format!("{} edges are curved; hexahedra have straight edges here", file.midsides.len()));
+            }
+            return Ok((file.mesh, notes));
         }
         MeshSource::Shape(shape) => match *shape {
             Shape::Cylinder { radius, length, cells: [rings, layers] } => {

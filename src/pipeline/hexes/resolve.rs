@@ -1,7 +1,7 @@
 //! From a scenario and a hexahedral mesh to a model.
 
-use super::super::resolve::{Body, Targets, check_density, choose_materials, properties, with_place};
-use super::super::{ModelError, loading, quantities, select};
+use super::super::resolve::{Body, Found, Targets, find, with_place};
+use super::super::{ModelError, loading, select};
 use crate::error::Error;
 use crate::fem::hexes::{HexSpace, check_hex_constraints, prescribed_on_hexes};
 use crate::fem::{self, Model};
@@ -9,7 +9,7 @@ use crate::mesh::hex::{HexMesh, HexMeshParts};
 use crate::mesh::topology::sorted2;
 use crate::mesh::{Crease, GroupId};
 use crate::output::report::Selection;
-use crate::scenario::{Hexes, LoadKind, Scenario};
+use crate::scenario::{Hexes, Scenario};
 use crate::subdiv::catmull_clark;
 use glam::DVec3;
 
@@ -85,23 +85,8 @@ impl Body for Bricks {
 /// # Errors
 /// As for tetrahedra; and what the limit of subdivision does not allow.
 pub(super) fn resolve(scenario: &Scenario, hexes: Hexes, mesh: HexMesh) -> Result<ResolvedHexes, Error> {
-    let chosen = choose_materials(&scenario.materials, &mesh)?;
-    if scenario.supports.is_empty() {
-        return Err(ModelError::NoSupports.into());
-    }
-    let mut targets = Targets::new(Bricks(mesh));
-    let exact = scenario.exact.as_ref().map(|e| quantities::exact(e, &chosen, &mut targets)).transpose()?;
-    let supports = scenario.supports.iter().map(|s| targets.support(s, exact)).collect::<Result<Vec<_>, _>>()?;
-    let mut loads = Vec::new();
-    for load in &scenario.loads {
-        if let LoadKind::Gravity(_) = load.kind {
-            check_density(format!("load `{}` is gravity", load.name), &load.place, &chosen)?;
-        }
-        loads.push(fem::Load { name: load.name.clone(), kind: targets.load(load)? });
-    }
-    let quantities = quantities::resolve(scenario, &chosen, &mut targets)?;
+    let Found { targets, model, quantities, exact } = find(scenario, Bricks(mesh))?;
     let Targets { body: Bricks(mesh), selections, .. } = targets;
-    let model = Model { materials: chosen.iter().map(|m| properties(m)).collect(), supports, loads };
     let mesh = with_features(scenario, &model, mesh)?;
     let mesh = if hexes.element.is_smooth() {
         mesh.check_smoothable()?;

@@ -16,6 +16,9 @@ use crate::subdiv::catmull_clark::{self, RefinedSolid};
 use glam::DVec3;
 use std::time::Instant;
 
+/// How often more cells, and with them memory, the next step has.
+const GROWTH: usize = 8;
+
 /// A mesh with its solution, for whoever writes files of it.
 pub(super) struct Step<'a> {
     pub index: usize,
@@ -58,7 +61,7 @@ pub(super) fn simulate(
         seconds.total = seconds.computing() + seconds.write;
         let peak_memory_bytes = (memory.peak)() as u64;
         steps.push(StepRecord { seconds, peak_memory_bytes, ..analysed.record(problem, index, unit) });
-        if let Some(reason) = reason_to_stop(scenario, index, &analysed, start) {
+        if let Some(reason) = reason_to_stop(scenario, index, &analysed, (start, (memory.peak)())) {
             break reason;
         }
         let _phase = progress.phase(format!("step {}: refine", index + 1));
@@ -106,7 +109,12 @@ fn carried_over(problem: &ResolvedHexes, analysed: &Analysed<'_>, refined: &Refi
 }
 
 /// The stop rule that is met.
-fn reason_to_stop(scenario: &Scenario, index: usize, analysed: &Analysed<'_>, start: Instant) -> Option<StopReason> {
+fn reason_to_stop(
+    scenario: &Scenario,
+    index: usize,
+    analysed: &Analysed<'_>,
+    (start, peak): (Instant, usize),
+) -> Option<StopReason> {
     let stop = &scenario.refine.stop;
     if let Some(reason) = tolerance::reached(stop, analysed.relative_error(), None) {
         Some(reason)
@@ -118,6 +126,8 @@ fn reason_to_stop(scenario: &Scenario, index: usize, analysed: &Analysed<'_>, st
         Some(StopReason::MaxCells)
     } else if stop.seconds.is_some_and(|most| start.elapsed().as_secs_f64() >= most) {
         Some(StopReason::Seconds)
+    } else if stop.max_memory.is_some_and(|most| peak.saturating_mul(GROWTH) as u64 > most) {
+        Some(StopReason::MaxMemory)
     } else {
         None
     }
