@@ -191,44 +191,77 @@ impl<'a> Known<'a> {
     }
 }
 
-/// Takes a function of a ring, its value and its derivatives.
-type Take<'a> = dyn FnMut(usize, f64, DVec3) + 'a;
+/// Points from which on combinations are carried down to a part, of all functions; fewer points' few functions are carried up.
+const MANY: usize = 32;
 
+/// Adds the functions at points of a part, whose control points are combinations of the first ring's.
 fn descend(shape: &Shape, weights: &Weights, within: Within, known: &mut Known<'_>, sums: &mut Sums) {
-    let Within { places, numbers, depth } = within;
-    // Derivatives are those along the axes of the cell.
-    let (scale, columns) = (0.5_f64.powi(-(depth as i32)), shape.vertices());
-    let local = |of: &dyn Fn(DVec3, &mut Take<'_>)| {
-        let mut local = vec![0.0; 4 * columns * places.len()];
-        for (own, at) in local.chunks_exact_mut(4 * columns).zip(&places) {
-            of(*at, &mut |v, n, dn| {
-                own[v] += n;
-                (0..3).for_each(|axis| own[(axis + 1) * columns + v] += scale * dn[axis]);
-            });
+    if within.places.len() < MANY || shape.regular().is_some() {
+        let mut local = climb(shape, &within.places, known, within.depth);
+        // Derivatives are those along the axes of the cell.
+        let (scale, columns) = (0.5_f64.powi(-(within.depth as i32)), shape.vertices());
+        for own in local.chunks_exact_mut(4 * columns) {
+            own[columns..].iter_mut().for_each(|dn| *dn *= scale);
         }
-        local
-    };
-    if let Some(grid) = shape.regular() {
-        sums.add(&numbers, &local(&|at, add| tensor(&grid, at, add)), weights);
+        sums.add(&within.numbers, &local, weights);
         return;
     }
-    let family = if depth == DEEPEST { None } else { known.family(shape, depth) };
-    let Some(family) = family else {
-        sums.add(&numbers, &local(&|at, add| trilinear(at, add)), weights);
-        return;
-    };
-    let mut of_child: [(Vec<usize>, Vec<DVec3>); 8] = Default::default();
-    for (&number, &at) in numbers.iter().zip(&places) {
-        let halves = [0, 1, 2].map(|axis| usize::from(at[axis] > 0.5));
-        let child = halves[0] | halves[1] << 1 | halves[2] << 2;
-        of_child[child].0.push(number);
-        of_child[child].1.push(2.0 * at - DVec3::from_array(halves.map(|h| h as f64)));
-    }
-    for (child, (numbers, places)) in of_child.into_iter().enumerate().filter(|(_, c)| !c.0.is_empty()) {
+    let Some(family) = known.family(shape, within.depth) else { return };
+    for (child, places, chosen) in by_child(&within.places) {
         let ring = &family.children[child];
         let own = weights.child(&family.stencils, ring);
-        descend(&ring.shape, &own, Within { places, numbers, depth: depth + 1 }, known, sums);
+        let numbers = chosen.iter().map(|i| within.numbers[*i]).collect();
+        descend(&ring.shape, &own, Within { places, numbers, depth: within.depth + 1 }, known, sums);
     }
+}
+
+/// The functions of a ring at points of its first cell: four rows a point, the values and the derivatives.
+fn climb(shape: &Shape, places: &[DVec3], known: &mut Known<'_>, depth: usize) -> Vec<f64> {
+    let columns = shape.vertices();
+    let mut local = vec![0.0; 4 * columns * places.len()];
+    let mut add = |i: usize, v: usize, n: f64, dn: DVec3| {
+        let own = &mut local[4 * columns * i..4 * columns * (i + 1)];
+        own[v] += n;
+        (0..3).for_each(|axis| own[(axis + 1) * columns + v] += dn[axis]);
+    };
+    if let Some(grid) = shape.regular() {
+        places.iter().enumerate().for_each(|(i, at)| tensor(&grid, *at, &mut |v, n, dn| add(i, v, n, dn)));
+        return local;
+    }
+    let Some(family) = (if depth < DEEPEST { known.family(shape, depth) } else { None }) else {
+        places.iter().enumerate().for_each(|(i, at)| trilinear(*at, &mut |v, n, dn| add(i, v, n, dn)));
+        return local;
+    };
+    for (child, places, chosen) in by_child(places) {
+        let ring = &family.children[child];
+        let finer = climb(&ring.shape, &places, known, depth + 1);
+        let own = ring.vertices.len();
+        for (&i, rows) in chosen.iter().zip(finer.chunks_exact(4 * own)) {
+            for (place, &v) in ring.vertices.iter().enumerate() {
+                let dn = DVec3::new(rows[own + place], rows[2 * own + place], rows[3 * own + place]);
+                if rows[place] == 0.0 && dn == DVec3::ZERO {
+                    continue;
+                }
+                for (parent, weight) in family.stencils.row(v as usize) {
+                    add(i, parent as usize, weight * rows[place], 2.0 * weight * dn);
+                }
+            }
+        }
+    }
+    local
+}
+
+/// The children of a cell that hold points: child, their places in it, and their numbers.
+fn by_child(places: &[DVec3]) -> impl Iterator<Item = (usize, Vec<DVec3>, Vec<usize>)> {
+    let mut of_child: [(Vec<DVec3>, Vec<usize>); 8] = Default::default();
+    for (i, &at) in places.iter().enumerate() {
+        let halves = [0, 1, 2].map(|axis| usize::from(at[axis] > 0.5));
+        let child = &mut of_child[halves[0] | halves[1] << 1 | halves[2] << 2];
+        child.0.push(2.0 * at - DVec3::from_array(halves.map(|h| h as f64)));
+        child.1.push(i);
+    }
+    let held = of_child.into_iter().enumerate().filter(|(_, c)| !c.1.is_empty());
+    held.map(|(child, (places, numbers))| (child, places, numbers))
 }
 
 /// A ring after one step of subdivision.
@@ -264,7 +297,7 @@ impl Family {
 }
 
 /// The tensor product of splines.
-fn tensor(grid: &Grid, at: DVec3, add: &mut Take<'_>) {
+fn tensor(grid: &Grid, at: DVec3, add: &mut dyn FnMut(usize, f64, DVec3)) {
     let [x, y, z] = [0, 1, 2].map(|axis| spline::ended(at[axis], grid.lower[axis], grid.upper[axis]));
     for (place, &v) in grid.places.iter().enumerate().filter(|(_, v)| **v != u16::MAX) {
         let ([x, dx], [y, dy], [z, dz]) = (x[place % 4], y[place / 4 % 4], z[place / 16]);
@@ -273,7 +306,7 @@ fn tensor(grid: &Grid, at: DVec3, add: &mut Take<'_>) {
 }
 
 /// The trilinear functions of the corners.
-fn trilinear(at: DVec3, add: &mut Take<'_>) {
+fn trilinear(at: DVec3, add: &mut dyn FnMut(usize, f64, DVec3)) {
     for c in 0..8 {
         let side = |axis: usize| if c >> axis & 1 == 1 { [at[axis], 1.0] } else { [1.0 - at[axis], -1.0] };
         let ([x, dx], [y, dy], [z, dz]) = (side(0), side(1), side(2));

@@ -118,7 +118,7 @@ impl HexState<'_> {
             .map(|i| DVec3::new(side(i % POINTS), side(i / POINTS % POINTS), side(i / POINTS / POINTS)))
             .collect();
         let tables = self.space.tables(lattice);
-        let of = |t: usize, wanted: &dyn Fn(DVec3) -> bool| {
+        let of = |t: usize, wanted: &(dyn Fn(DVec3) -> bool + Sync)| {
             let table = tables.of(self.space, t);
             let points = (0..tables.points().len()).filter(|q| wanted(tables.points()[*q]));
             points.map(|q| self.at(field, t, &table, q)).fold(f64::NEG_INFINITY, f64::max)
@@ -126,10 +126,8 @@ impl HexState<'_> {
         match extent {
             Extent::Cells(cells) => {
                 let inside = |t: &usize| cells.region.is_none_or(|r| r == self.space.mesh().regions()[*t]);
-                (0..self.space.mesh().cells().len())
-                    .filter(inside)
-                    .map(|t| of(t, &|_| true))
-                    .fold(f64::NEG_INFINITY, f64::max)
+                let largest = |t| if inside(&t) { of(t, &|_| true) } else { f64::NEG_INFINITY };
+                self.space.of_cells(largest).into_iter().fold(f64::NEG_INFINITY, f64::max)
             }
             Extent::Faces(group) => {
                 let faces = self.space.mesh().group_faces(group).map(|f| self.space.cell_of_face(f));
