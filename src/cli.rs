@@ -139,7 +139,7 @@ pub struct Subdivide {
     /// Vertices that stay where they are: a file of one number (from 0) a line
     #[arg(long, value_name = "FILE")]
     pub corners: Option<PathBuf>,
-    /// What scheme sqrt3 does to the boundary surface; the others keep it [default: approximating]
+    /// What scheme sqrt3 does to the boundary surface; red and longest-edge keep it [default: approximating]
     #[arg(long, value_enum)]
     pub boundary: Option<BoundaryName>,
     /// How each refined mesh is optimised for its dihedral angles
@@ -250,6 +250,8 @@ pub enum SchemeName {
     LongestEdge,
     /// Smooth subdivision of solids of hexahedra, one cell into eight
     CatmullClark,
+    /// Smooth subdivision of tetrahedra into tetrahedra and octahedra
+    TetOct,
 }
 
 impl SchemeName {
@@ -259,7 +261,7 @@ impl SchemeName {
             Self::Sqrt3 => Some(Scheme::Sqrt3),
             Self::Red => Some(Scheme::Red),
             Self::LongestEdge => Some(Scheme::LongestEdge),
-            Self::CatmullClark => None,
+            Self::CatmullClark | Self::TetOct => None,
         }
     }
 }

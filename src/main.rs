@@ -3,7 +3,7 @@
 mod cli;
 
 use clap::{CommandFactory as _, Parser as _};
-use cli::{BoundaryName, CellsName, Cli, Command, Common, ScenarioOptions};
+use cli::{BoundaryName, CellsName, Cli, Command, Common, ScenarioOptions, SchemeName};
 use peak_alloc::PeakAlloc;
 use std::collections::BTreeSet;
 use std::io::Write as _;
@@ -14,6 +14,7 @@ use subsolid::pipeline::choice::Cells;
 use subsolid::pipeline::hexes::{HexSubdivision, compare_elements, subdivide_hexes};
 use subsolid::pipeline::inspect::{Inspection, inspect};
 use subsolid::pipeline::subdivide::{Subdivision, subdivide};
+use subsolid::pipeline::tet_oct::{TetOctSubdivision, subdivide_tet_oct};
 use subsolid::pipeline::verify::{Verification, verify};
 use subsolid::pipeline::{MemoryProbe, RunOptions, check, compare, run, variants};
 use subsolid::scenario::Scenario;
@@ -72,9 +73,10 @@ fn main() -> ExitCode {
         }
         Command::Subdivide(arguments) => {
             set_threads(&arguments.common);
-            finish(match arguments.scheme.of_tetrahedra() {
-                Some(scheme) => subdivide(&subdivision(arguments, scheme)).map(drop),
-                None => subdivide_hexes(&hex_subdivision(arguments)).map(drop),
+            finish(match (arguments.scheme.of_tetrahedra(), arguments.scheme) {
+                (Some(scheme), _) => subdivide(&subdivision(arguments, scheme)).map(drop),
+                (None, SchemeName::TetOct) => subdivide_tet_oct(&tet_oct_subdivision(arguments)).map(drop),
+                (None, _) => subdivide_hexes(&hex_subdivision(arguments)).map(drop),
             })
         }
         Command::Inspect { mesh, feature_angle, common } => {
@@ -166,6 +168,27 @@ fn hex_subdivision(arguments: cli::Subdivide) -> HexSubdivision {
         quiet,
         json,
     }
+}
+
+/// What `subdivide --scheme tet-oct` is told, in the library's words.
+fn tet_oct_subdivision(arguments: cli::Subdivide) -> TetOctSubdivision {
+    let quiet = is_quiet(&arguments.common);
+    let cli::Subdivide { mesh, feature_angle, edges, corners, output, common: Common { json, .. }, .. } = arguments;
+    if json.as_ref() == Some(&output) {
+        refuse("--json and --output name the same file");
+    }
+    if arguments.frames.is_some() {
+        refuse("--frames is for schemes whose steps have stages: a step of --scheme tet-oct has one");
+    }
+    if !matches!(arguments.select, None | Some(CellsName::All)) {
+        refuse("--scheme tet-oct refines all cells: leave out --select");
+    }
+    warn_if_idle("--boundary is for --scheme sqrt3", arguments.boundary.is_some());
+    warn_if_idle("--curvature-angle is for --select curvature", arguments.curvature_angle.is_some());
+    warn_if_idle("--variant is for --scheme catmull-clark", arguments.variant.is_some());
+    warn_if_idle("--interpolate is for --scheme catmull-clark", arguments.interpolate);
+    let steps = arguments.steps.into();
+    TetOctSubdivision { mesh, steps, feature_angle, edges, corners, output, quiet, json }
 }
 
 fn warn_if_idle(option: &str, idle: bool) {

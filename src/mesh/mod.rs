@@ -13,6 +13,7 @@ pub mod quality;
 pub mod read;
 pub(crate) mod rows;
 pub mod surface;
+pub mod tet_oct;
 pub mod topology;
 
 pub use error::{MeshError, Place, Victim};

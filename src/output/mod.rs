@@ -14,6 +14,7 @@ pub mod frames;
 pub mod hex_mesh;
 pub mod hex_vtk;
 pub mod options;
+pub mod picture;
 pub mod plot;
 pub mod progress;
 pub mod pvd;

@@ -25,6 +25,7 @@ pub mod select;
 mod simulate;
 mod straight;
 pub mod subdivide;
+pub mod tet_oct;
 mod tolerance;
 pub mod variants;
 pub mod verify;
