@@ -97,6 +97,18 @@ pub enum Command {
         #[command(flatten)]
         common: Common,
     },
+    /// Analyse how smooth tetrahedral/octahedral subdivision is: across faces, along edges, at vertices; write the characteristic
+    /// maps as VTK
+    Smoothness {
+        /// Folder of the maps
+        #[arg(long, value_name = "DIR", default_value = "results/smoothness")]
+        output: PathBuf,
+        /// Write all tables to this file, as Markdown, and pictures into a folder of its name beside it
+        #[arg(long, value_name = "FILE")]
+        markdown: Option<PathBuf>,
+        #[command(flatten)]
+        common: Common,
+    },
     /// Print the JSON schema of scenarios, for editors
     Schema,
     /// Print a completion script for a shell

@@ -14,7 +14,7 @@ use subsolid::pipeline::choice::Cells;
 use subsolid::pipeline::hexes::{HexSubdivision, compare_elements, subdivide_hexes};
 use subsolid::pipeline::inspect::{Inspection, inspect};
 use subsolid::pipeline::subdivide::{Subdivision, subdivide};
-use subsolid::pipeline::tet_oct::{TetOctSubdivision, subdivide_tet_oct};
+use subsolid::pipeline::tet_oct::{Smoothness, TetOctSubdivision, smoothness, subdivide_tet_oct};
 use subsolid::pipeline::verify::{Verification, verify};
 use subsolid::pipeline::{MemoryProbe, RunOptions, check, compare, run, variants};
 use subsolid::scenario::Scenario;
@@ -84,6 +84,11 @@ fn main() -> ExitCode {
             let quiet = is_quiet(&common);
             let json = common.json;
             finish(inspect(&Inspection { mesh, feature_angle, quiet, json }))
+        }
+        Command::Smoothness { output, markdown, common } => {
+            set_threads(&common);
+            let quiet = is_quiet(&common);
+            finish(smoothness(&Smoothness { output, markdown, json: common.json, quiet }).map(drop))
         }
         Command::Schema => finish(subsolid::pipeline::print(&format!("{:#}\n", subsolid::scenario::schema()))),
         Command::Completions { shell } => completions(shell),

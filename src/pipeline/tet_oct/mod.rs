@@ -1,5 +1,8 @@
 //! The commands for smooth tetrahedral/octahedral subdivision.
 
+mod page;
+mod smoothness;
 mod subdivide;
 
+pub use smoothness::{EdgeRecord, FaceRecord, FailedVertex, Smoothness, SmoothnessReport, VertexRecord, smoothness};
 pub use subdivide::{TetOctReport, TetOctSubdivision, subdivide_tet_oct};
