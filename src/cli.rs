@@ -97,6 +97,15 @@ pub enum Command {
         #[command(flatten)]
         common: Common,
     },
+    /// Move what is embedded in a solid with its control points, from pose to pose; write the frames as VTK
+    Deform {
+        /// Scenario file (TOML) with [mesh], [embed] and [[pose]]
+        scenario: PathBuf,
+        #[command(flatten)]
+        common: Common,
+        #[command(flatten)]
+        scenario_options: ScenarioOptions,
+    },
     /// Analyse how smooth tetrahedral/octahedral subdivision is: across faces, along edges, at vertices; write the characteristic
     /// maps as VTK
     Smoothness {

@@ -14,10 +14,10 @@ use subsolid::pipeline::choice::Cells;
 use subsolid::pipeline::hexes::{HexSubdivision, compare_elements, subdivide_hexes};
 use subsolid::pipeline::inspect::{Inspection, inspect};
 use subsolid::pipeline::subdivide::{Subdivision, subdivide};
-use subsolid::pipeline::tet_oct::{Smoothness, TetOctSubdivision, smoothness, subdivide_tet_oct};
+use subsolid::pipeline::tet_oct::{Smoothness, TetOctSubdivision, deform, smoothness, subdivide_tet_oct};
 use subsolid::pipeline::verify::{Verification, verify};
 use subsolid::pipeline::{MemoryProbe, RunOptions, check, compare, run, variants};
-use subsolid::scenario::Scenario;
+use subsolid::scenario::{Deformation, Scenario};
 use subsolid::subdiv::options::{Mode, Optimise, Options, QualityMeasure, Scheme};
 
 #[global_allocator]
@@ -84,6 +84,11 @@ fn main() -> ExitCode {
             let quiet = is_quiet(&common);
             let json = common.json;
             finish(inspect(&Inspection { mesh, feature_angle, quiet, json }))
+        }
+        Command::Deform { scenario, common, scenario_options } => {
+            set_threads(&common);
+            let read = Deformation::from_file(&scenario, &scenario_options.set).map_err(Error::from);
+            finish(read.and_then(|d| deform(&d, &run_options(&common, &scenario_options)).map(drop)))
         }
         Command::Smoothness { output, markdown, common } => {
             set_threads(&common);

@@ -19,6 +19,7 @@ pub mod plot;
 pub mod progress;
 pub mod pvd;
 pub mod report;
+pub mod shape;
 pub mod table;
 pub mod variants;
 pub mod vtk;

@@ -101,7 +101,7 @@ fn midside(midside: Option<Spanned<Midside>>, element: Element) -> Checked<Midsi
     Ok(*midside.get_ref())
 }
 
-fn mesh(raw: Option<Table<RawMesh>>) -> Checked<MeshSource> {
+pub(super) fn mesh(raw: Option<Table<RawMesh>>) -> Checked<MeshSource> {
     let help = "add [mesh] with file = \"part.msh\", or [mesh.box] with size = [4, 1, 1] and cells = [8, 2, 2]";
     let Some(Table { span, mut value }) = raw else {
         return Err(Fault::new(0..0, "the scenario has no [mesh]", "no [mesh] in this file").help(help));
@@ -149,7 +149,7 @@ fn brick(raw: &RawBrick) -> Checked<MeshSource> {
     }
 }
 
-fn features(raw: Option<Table<RawFeatures>>) -> Checked<Features> {
+pub(super) fn features(raw: Option<Table<RawFeatures>>) -> Checked<Features> {
     let Some(Table { value: raw, .. }) = raw else {
         return Ok(Features { angle: 40.0, edges: Vec::new(), corners: Vec::new() });
     };

@@ -4,6 +4,7 @@
 
 mod actions;
 mod check;
+mod deform;
 mod document;
 mod error;
 mod fields;
@@ -18,6 +19,7 @@ mod wanted;
 
 pub use actions::{Load, LoadKind, Support};
 pub use check::MAX_STEPS;
+pub use deform::{ControlPoints, Deformation, Move, Pose};
 pub use error::{Invalid, ScenarioError};
 pub use selector::Selector;
 pub use shapes::Shape;

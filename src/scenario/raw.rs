@@ -193,7 +193,9 @@ selector_table!(RawQuantity {
     region: Text,
     within: Table<RawWithin>
 });
+selector_table!(RawMove { displacement: Table<RawDisplacement>, points: Spanned<Vec<u32>> });
 selector_table!(RawExact { solution: ExactSolution });
+selector_of!(RawMove);
 selector_of!(RawExact);
 selector_of!(RawQuantity);
 selector_of!(RawSupport);

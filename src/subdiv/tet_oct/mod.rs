@@ -5,12 +5,14 @@
 //! and corners follow the rules of Hoppe et al. (1994), so that no region depends on vertices inside another. New points are
 //! convex combinations of old ones.
 
+mod embed;
 mod masks;
 mod rows;
 pub mod smoothness;
 mod split;
 mod surface;
 
+pub use embed::{EmbedError, Embedding};
 pub use rows::WeightRows;
 
 use crate::mesh::tet_oct::{CellEdges, TetOctMesh};
