@@ -15,6 +15,7 @@ pub(crate) mod rows;
 pub mod surface;
 pub mod tet_oct;
 pub mod topology;
+pub mod weights;
 
 pub use error::{MeshError, Place, Victim};
 

@@ -23,6 +23,7 @@ mod richer;
 pub mod run;
 pub mod select;
 mod simulate;
+mod smooth;
 mod straight;
 pub mod subdivide;
 pub mod tet_oct;

@@ -28,7 +28,7 @@ pub use wanted::{Bound, Cells, Exact, Expectation, Extent, Figure, Probe, Quanti
 use crate::adapt::options::{Estimator, Marking};
 use crate::fem::options::{Element, HexElement, HexOptions, SolverOptions};
 use crate::output::options::{Compression, FieldName, Published, Units};
-use crate::subdiv::options::Options;
+use crate::subdiv::options::{Options, Smooth};
 use document::Setting;
 use serde::Deserialize as _;
 use std::path::{Path, PathBuf};
@@ -72,6 +72,8 @@ pub struct Scenario {
     pub midside: Midside,
     /// `analysis.element`, if it is one of tetrahedra.
     pub element: Element,
+    /// `analysis.smooth`.
+    pub smooth: Option<Smooth>,
     /// `analysis.element`, if it is one of hexahedra.
     pub hexes: Option<Hexes>,
     /// `[adapt]`.

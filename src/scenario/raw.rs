@@ -7,7 +7,7 @@ use super::{Midside, fields, shapes};
 use crate::adapt::options::Estimator;
 use crate::fem::options::{Element, ExactSolution, Field, HexElement, Method, Total};
 use crate::output::options::{Compression, FieldName, Units};
-use crate::subdiv::options::{Boundary, CatmullClark, Mode, Objective, QualityMeasure, Scheme};
+use crate::subdiv::options::{Boundary, CatmullClark, Mode, Objective, Octahedra, QualityMeasure, Scheme, SmoothBasis};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, de};
 use std::{borrow::Cow, collections::BTreeMap, fmt, marker::PhantomData, ops::Range};
@@ -274,6 +274,15 @@ pub(super) struct RawAnalysis {
     pub points: Option<Integer>,
     pub splits: Option<Integer>,
     pub interpolate: Option<Spanned<bool>>,
+    pub smooth: Option<Table<RawSmooth>>,
+}
+
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawSmooth {
+    pub steps: Option<Integer>,
+    pub octahedra: Option<Octahedra>,
+    pub basis: Option<SmoothBasis>,
 }
 
 /// The finite element, of tetrahedra or of hexahedra.

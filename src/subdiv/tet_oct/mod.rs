@@ -7,13 +7,12 @@
 
 mod embed;
 mod masks;
-mod rows;
 pub mod smoothness;
 mod split;
 mod surface;
 
+pub use crate::mesh::weights::WeightRows;
 pub use embed::{EmbedError, Embedding};
-pub use rows::WeightRows;
 
 use crate::mesh::tet_oct::{CellEdges, TetOctMesh};
 use glam::DVec3;
