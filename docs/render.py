@@ -24,8 +24,10 @@ from pathlib import Path
 import vtkmodules.vtkRenderingFreeType  # noqa: F401  (registers the fonts)
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  (registers the renderer)
 from vtkmodules.vtkCommonCore import vtkLookupTable
+from vtkmodules.vtkCommonDataModel import VTK_BEZIER_HEXAHEDRON, VTK_LAGRANGE_HEXAHEDRON
+from vtkmodules.vtkFiltersCore import vtkExtractEdges
 from vtkmodules.vtkFiltersGeneral import vtkWarpVector
-from vtkmodules.vtkFiltersGeometry import vtkGeometryFilter
+from vtkmodules.vtkFiltersGeometry import vtkGeometryFilter, vtkUnstructuredGridGeometryFilter
 from vtkmodules.vtkIOImage import vtkPNGWriter
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 from vtkmodules.vtkRenderingAnnotation import vtkScalarBarActor
@@ -94,7 +96,7 @@ def magnification(grid):
 
 
 def surface(grid, warp):
-    """The boundary of the deformed grid, cell arrays kept."""
+    """The boundary of the deformed grid, cell arrays kept; curved cells in small pieces."""
     grid.GetPointData().SetActiveVectors("displacement")
     deformed = vtkWarpVector()
     deformed.SetInputData(grid)
@@ -102,8 +104,25 @@ def surface(grid, warp):
     deformed.SetScaleFactor(warp)
     boundary = vtkGeometryFilter()
     boundary.SetInputConnection(deformed.GetOutputPort())
+    boundary.SetNonlinearSubdivisionLevel(3 if is_curved(grid) else 1)
     boundary.Update()
-    return boundary.GetOutput()
+    return boundary.GetOutput(), edges(deformed) if is_curved(grid) else None
+
+
+def is_curved(grid):
+    """Whether the cells are Lagrange or Bezier ones."""
+    return grid.GetCellType(0) in (VTK_LAGRANGE_HEXAHEDRON, VTK_BEZIER_HEXAHEDRON)
+
+
+def edges(deformed):
+    """The curved edges of boundary cells as lines."""
+    faces = vtkUnstructuredGridGeometryFilter()
+    faces.SetInputConnection(deformed.GetOutputPort())
+    lines = vtkExtractEdges()
+    lines.SetInputConnection(faces.GetOutputPort())
+    lines.UseAllPointsOn()
+    lines.Update()
+    return lines.GetOutput()
 
 
 def table(colour, lo, hi):
@@ -136,18 +155,22 @@ def grey_or_red(t):
 
 def pictures(grid, step):
     """Name, title, cell array, lookup table, and whether a colour bar makes sense, of each picture."""
-    stress = cell_array(grid, "von_mises")
+    smooth = grid.GetPointData().GetArray("von_mises")
+    stress = cell_array(grid, "von_mises") if smooth is None else vtk_to_numpy(smooth)
     error = cell_array(grid, "error_indicator")
     # A few cells at a singular edge would leave the rest in one colour.
     limit = sorted(stress)[int(0.995 * (len(stress) - 1))]
-    refined = "refinement_level" if cell_array(grid, "refinement_level").max() > 0 else "marked"
-    title = "Refined cells" if refined == "refinement_level" else "Cells selected for refinement"
-    share = (cell_array(grid, refined) > 0).mean()
-    return [
+    made = [
         ("von_mises", f"von Mises stress (largest {stress.max():.3g})", "von_mises", table(heat, 0, limit), True),
         ("error_indicator", "Estimated error of each cell", "error_indicator", table(green_to_red, 0, error.max()), True),
-        ("refined", f"{title}: {share:.0%} of {len(error):,}, step {step}", refined, table(grey_or_red, 0, 1), False),
     ]
+    refined = "refinement_level" if cell_array(grid, "refinement_level").max() > 0 else "marked"
+    if grid.GetCellData().HasArray(refined):
+        title = "Refined cells" if refined == "refinement_level" else "Cells selected for refinement"
+        share = (cell_array(grid, refined) > 0).mean()
+        title = f"{title}: {share:.0%} of {len(error):,}, step {step}"
+        made.append(("refined", title, refined, table(grey_or_red, 0, 1), False))
+    return made
 
 
 def text(content, size, x, y, centred=True):
@@ -193,12 +216,15 @@ def vtk_formats_with_braces():
     return (vtkVersion.GetVTKMajorVersion(), vtkVersion.GetVTKMinorVersion()) >= (9, 6)
 
 
-def panel(mesh, picture, options, warp):
-    """A renderer that shows one picture."""
-    _, title, array, lut, bar = picture
+def panel(shown, picture, options, warp):
+    """A renderer that shows one picture of a surface, with its own edges or given ones."""
+    (mesh, lines), (_, title, array, lut, bar) = shown, picture
     mapper = vtkPolyDataMapper()
     mapper.SetInputData(mesh)
-    mapper.SetScalarModeToUseCellFieldData()
+    if mesh.GetPointData().HasArray(array):
+        mapper.SetScalarModeToUsePointFieldData()
+    else:
+        mapper.SetScalarModeToUseCellFieldData()
     mapper.SetColorModeToMapScalars()  # else bytes, such as `marked`, are taken for grey levels
     mapper.SelectColorArray(array)
     mapper.SetLookupTable(lut)
@@ -207,7 +233,7 @@ def panel(mesh, picture, options, warp):
     actor.SetMapper(mapper)
     look = actor.GetProperty()
     look.SetInterpolationToFlat()
-    look.EdgeVisibilityOn()
+    look.SetEdgeVisibility(lines is None)
     look.SetEdgeColor(0.2, 0.2, 0.25)
     look.SetLineWidth(0.7)
     look.SetAmbient(0.5)
@@ -215,6 +241,8 @@ def panel(mesh, picture, options, warp):
     renderer = vtkRenderer()
     renderer.SetBackground(1, 1, 1)
     renderer.AddActor(actor)
+    if lines is not None:
+        renderer.AddActor(line_actor(lines))
     renderer.AddViewProp(text(title, min(options.width // 26, int(1.7 * options.width / len(title))), 0.5, 0.94))
     if bar:
         renderer.AddViewProp(colour_bar(lut, options.width))
@@ -222,6 +250,20 @@ def panel(mesh, picture, options, warp):
     renderer.AddViewProp(text(below, options.width // 34, 0.5, 0.015))
     aim(renderer, mesh, options)
     return renderer
+
+
+def line_actor(lines):
+    """Dark lines, a little in front of the surface that they lie in."""
+    mapper = vtkPolyDataMapper()
+    mapper.SetInputData(lines)
+    mapper.ScalarVisibilityOff()
+    mapper.SetResolveCoincidentTopologyToPolygonOffset()
+    mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0, -4)
+    actor = vtkActor()
+    actor.SetMapper(mapper)
+    actor.GetProperty().SetColor(0.2, 0.2, 0.25)
+    actor.GetProperty().SetLineWidth(1.2)
+    return actor
 
 
 def aim(renderer, mesh, options):

@@ -1,7 +1,7 @@
 //! Catmull-Clark solids: their masks, and the functions of their limit.
 
 use glam::DVec3;
-use subsolid::limit::Basis;
+use subsolid::limit::{Basis, Table};
 use subsolid::mesh::hex::HexMesh;
 use subsolid::mesh::hex::generate::box_hexes;
 use subsolid::subdiv::catmull_clark;
@@ -51,12 +51,17 @@ fn a_box_is_refined_as_the_tensor_product_of_splines() {
     }
 }
 
+/// The functions of each class at points.
+fn tabulate(basis: &Basis, points: &[DVec3]) -> Vec<Table> {
+    (0..basis.classes()).map(|class| basis.table(class, points)).collect()
+}
+
 fn sums(mesh: &HexMesh, enriched: bool) {
     let points: Vec<DVec3> = (0..27)
         .map(|i| DVec3::new((i % 3) as f64, (i / 3 % 3) as f64, (i / 9) as f64) * 0.43 + DVec3::splat(0.06))
         .collect();
     let basis = Basis::new(mesh, CatmullClark::Bajaj, enriched);
-    let tables = basis.tabulate(&points);
+    let tables = tabulate(&basis, &points);
     for t in 0..mesh.cells().len() {
         let (own, table) = (basis.cell(t), &tables[basis.class(t)]);
         assert_eq!(own.len(), table.functions);

@@ -65,7 +65,7 @@ fn defaults_are_those_of_the_manual() {
     assert_eq!(s.directory, Path::new("dir"));
     assert_eq!(s.document, BASE.parse().unwrap());
     assert_eq!(s.mesh, MeshSource::File("part.msh".into()));
-    assert_eq!((s.features.angle, s.refine.strategy), (40.0, Strategy::None));
+    assert_eq!((s.features.sharp_angle(), s.refine.strategy), (40.0, Strategy::None));
     assert_eq!((s.adapt.estimator, s.adapt.marking, s.adapt.grow), (Estimator::Spr, Marking::Doerfler(0.5), 0));
     assert_eq!((s.solver.method, s.solver.tolerance), (Method::Auto, 1e-8));
     assert_eq!(s.supports[0].displacement, [const { Some(Field::ZERO) }; 3]);
@@ -143,7 +143,7 @@ fn every_key_is_read() {
     let s = accept(EVERY_KEY, &[]);
     let MeshSource::Box { size, cells } = s.mesh else { panic!() };
     assert_eq!((size, cells), ([4.0, 1.0, 1.5], [8, 2, 3]));
-    assert_eq!((s.features.angle, s.features.edges, s.features.corners), (70.0, vec![[0, 1], [3, 2]], vec![5]));
+    assert_eq!((s.features.angle, s.features.edges, s.features.corners), (Some(70.0), vec![[0, 1], [3, 2]], vec![5]));
     assert_eq!((s.materials[1].density, s.materials[1].group.as_deref()), (Some(2.0), Some("soft")));
     assert_eq!(s.supports[0].displacement, [None, Some((-0.1).into()), Some(Field::ZERO)]);
     assert!(matches!(&s.supports[1].selector, Selector::Any(list) if list.len() == 2));

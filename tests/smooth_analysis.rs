@@ -15,7 +15,8 @@ fn run(text: &str, settings: &[&str]) -> (i32, String, Value) {
         command.args(["--set", s]);
     });
     let output = command.output().unwrap();
-    let said = String::from_utf8_lossy(&output.stderr).split_whitespace().collect::<Vec<_>>().join(" ").replace("│ ", "");
+    let said =
+        String::from_utf8_lossy(&output.stderr).split_whitespace().collect::<Vec<_>>().join(" ").replace("│ ", "");
     (output.status.code().unwrap(), said, serde_json::from_slice(&output.stdout).unwrap_or_default())
 }
 
@@ -57,7 +58,8 @@ fn cantilever(settings: &[&str]) -> (f64, f64) {
     let (code, said, report) = run(CANTILEVER, settings);
     assert_eq!(code, 0, "{said}");
     let step = last(&report);
-    let reaction: Vec<f64> = step["reactions"]["clamp"].as_array().unwrap().iter().map(|r| r.as_f64().unwrap()).collect();
+    let reaction: Vec<f64> =
+        step["reactions"]["clamp"].as_array().unwrap().iter().map(|r| r.as_f64().unwrap()).collect();
     assert!((reaction[2] - 1.0).abs() < 1e-7 && reaction[0].abs() + reaction[1].abs() < 1e-7, "{reaction:?}");
     (step["strain_energy"].as_f64().unwrap(), step["free_dofs"].as_f64().unwrap())
 }
@@ -69,9 +71,8 @@ fn spaces_are_nested_and_smooth_functions_are_worth_their_unknowns() {
     let none = cantilever(&["analysis.smooth={ steps = 0 }"]);
     assert!((none.0 / plain.0 - 1.0).abs() < 1e-8 && none.1 == plain.1);
     for steps in 1..=2 {
-        let [control, nodes] = ["control", "nodes"].map(|basis| {
-            cantilever(&[&format!("analysis.smooth={{ steps = {steps}, basis = \"{basis}\" }}")])
-        });
+        let [control, nodes] = ["control", "nodes"]
+            .map(|basis| cantilever(&[&format!("analysis.smooth={{ steps = {steps}, basis = \"{basis}\" }}")]));
         // The energy under a force is a lower bound, and the larger the larger the space is.
         assert!(control.0 < nodes.0, "{steps} steps: {control:?} {nodes:?}");
         assert!(control.1 == plain.1 && nodes.1 > 20.0 * plain.1);

@@ -33,8 +33,8 @@ pub fn check_constraints(mesh: &TetMesh, model: &Model) -> Result<(), FemError> 
     check_rows(&bodies, &rows)
 }
 
-/// Displacement components that are held at places: part, place, component, and the support that does it.
-pub(super) type Held = (u32, DVec3, usize, usize);
+/// Displacements that are held at places: part, place, direction, and the support that does it.
+pub(super) type Held = (u32, DVec3, DVec3, usize);
 
 /// As [`check_constraints`], of cells in connected parts that are held at places.
 ///
@@ -48,8 +48,8 @@ pub(super) fn check_held<const N: usize>(
 ) -> Result<(), FemError> {
     let bodies = Bodies::new(points, cells, part_of, count);
     let mut rows = bodies.joint_rows(points);
-    for &(part, x, c, support) in held {
-        let coefficients = bodies.parts[part as usize].modes(x, c);
+    for &(part, x, direction, support) in held {
+        let coefficients = bodies.parts[part as usize].modes(x, direction);
         rows[part as usize].push(Row { coefficients, other: None, support: Some(support) });
     }
     check_rows(&bodies, &rows)
@@ -105,9 +105,9 @@ impl Body {
     }
 
     /// Component `c` at `x` of the six rigid motions: translations, and rotations that move the corners by about one.
-    fn modes(&self, x: DVec3, c: usize) -> [f64; 6] {
+    fn modes(&self, x: DVec3, direction: DVec3) -> [f64; 6] {
         let arm = (x - self.centre()) / self.radius();
-        std::array::from_fn(|k| if k < 3 { DVec3::AXES[k][c] } else { DVec3::AXES[k - 3].cross(arm)[c] })
+        std::array::from_fn(|k| if k < 3 { direction[k] } else { DVec3::AXES[k - 3].cross(arm).dot(direction) })
     }
 }
 
@@ -147,7 +147,8 @@ impl Bodies {
 
     /// The conditions of the supports and joints, by part; those of a joint with the first of its two.
     fn constraint_rows(&self, mesh: &TetMesh, model: &Model, numbering: &Dofs) -> Vec<Vec<Row>> {
-        let modes = |part: u32, v: u32, c: usize| self.parts[part as usize].modes(mesh.points()[v as usize], c);
+        let modes =
+            |part: u32, v: u32, c: usize| self.parts[part as usize].modes(mesh.points()[v as usize], DVec3::AXES[c]);
         let mut rows = self.joint_rows(mesh.points());
         for p in numbering.prescribed() {
             let part = self.part_at[p.node as usize];
@@ -168,7 +169,7 @@ impl Bodies {
 
     /// The conditions of the joints, each with the first of its two parts.
     fn joint_rows(&self, points: &[DVec3]) -> Vec<Vec<Row>> {
-        let modes = |part: u32, v: u32, c: usize| self.parts[part as usize].modes(points[v as usize], c);
+        let modes = |part: u32, v: u32, c: usize| self.parts[part as usize].modes(points[v as usize], DVec3::AXES[c]);
         let mut rows: Vec<Vec<Row>> = self.parts.iter().map(|_| Vec::new()).collect();
         for &(v, a, b) in &self.joints {
             let row = |c| Row { coefficients: modes(a, v, c), other: Some((b, modes(b, v, c))), support: None };

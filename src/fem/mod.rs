@@ -69,6 +69,15 @@ pub struct Material {
     pub density: f64,
 }
 
+/// What a support holds in the mean over its faces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Weakly {
+    /// The components that it prescribes.
+    Components,
+    /// The displacement normal to the faces, which is zero.
+    Normal,
+}
+
 /// What holds a group of boundary faces: prescribed displacement, an elastic foundation, or both.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Support {
@@ -81,6 +90,8 @@ pub struct Support {
     pub meets: Option<GroupId>,
     /// Prescribed displacement in x, y, z; `None` where free.
     pub displacement: [Option<Field>; 3],
+    /// Whether it holds in the mean over its faces instead of at nodes; for hexahedra only.
+    pub weakly: Option<Weakly>,
     /// Stiffness of the foundation in x, y, z, force per area and displacement; zero where there is none.
     pub stiffness: DVec3,
 }
@@ -90,7 +101,7 @@ impl Support {
     #[must_use]
     pub fn new(name: &str, group: GroupId, displacement: [Option<f64>; 3]) -> Self {
         let displacement = displacement.map(|u| u.map(Field::Constant));
-        Self { name: name.to_owned(), group, meets: None, displacement, stiffness: DVec3::ZERO }
+        Self { name: name.to_owned(), group, meets: None, displacement, weakly: None, stiffness: DVec3::ZERO }
     }
 
     /// The nodes whose displacement it prescribes, ascending. Borders between groups are creases, so that on every

@@ -54,6 +54,12 @@ impl HexElement {
         }
     }
 
+    /// Whether it has nodes on edges.
+    #[must_use]
+    pub fn has_edge_nodes(self) -> bool {
+        matches!(self, Self::Hex20 | Self::Hex27)
+    }
+
     /// Whether its mesh is the control mesh of a Catmull-Clark solid.
     #[must_use]
     pub fn is_smooth(self) -> bool {

@@ -142,8 +142,7 @@ pub(super) fn enriched_table(
     points: &[DVec3],
     feet: impl Fn(&[DVec3]) -> Table,
 ) -> Table {
-    let own = bubbles.iter().flat_map(|b| &b.faces).fold(0, |all, bits| all | bits);
-    let tables: Vec<(u8, Table)> = projections(own)
+    let tables: Vec<(u8, Table)> = projections(bubbles)
         .map(|faces| (faces, feet(&points.iter().map(|p| foot(*p, faces)).collect::<Vec<_>>())))
         .collect();
     let functions = plain.functions + bubbles.len();
@@ -158,7 +157,7 @@ pub(super) fn enriched_table(
             for (faces, of_feet) in tables.iter().filter(|(faces, _)| bubble.takes(*faces)) {
                 let scale = scale * (-6.0_f64).powi(faces.count_ones() as i32);
                 let (n, dn) = (of_feet.values_at(point)[v], of_feet.gradients_at(point)[v]);
-                let (g, dg) = lifted(at, *faces, n, dn);
+                let (g, dg) = lift(at, *faces, n, dn);
                 value += scale * g;
                 gradient += scale * dg;
             }
@@ -167,6 +166,54 @@ pub(super) fn enriched_table(
         }
     }
     table
+}
+
+/// The functions of a cell as others of the same span that do not depend on each other: those of vertices, and of each bubble whose
+/// sheets the cell all lies at the product G without its correction, `sum psi^A / 6^(|B| - |A|)` over the subsets A of its sheets B,
+/// which vanishes on cells beside. Each as a combination of the cell's functions; `None` where it vanishes.
+pub(super) fn lifted(bubbles: &[LocalBubble], vertices: usize) -> Vec<Option<Vec<(usize, f64)>>> {
+    let of_vertex = |v: usize| Some(vec![(v, 1.0)]);
+    let of_bubble = |bubble: &LocalBubble| {
+        if bubble.faces.len() < usize::from(bubble.order) {
+            return None;
+        }
+        let parts = bubbles.iter().enumerate().filter(|(_, part)| {
+            part.vertex == bubble.vertex
+                && part.faces.len() == usize::from(part.order)
+                && part.faces.iter().all(|sheet| bubble.faces.contains(sheet))
+        });
+        let scale = |order: u8| 6.0_f64.powi(i32::from(order) - i32::from(bubble.order));
+        let own = parts.map(|(place, part)| (vertices + place, scale(part.order)));
+        Some(own.chain([(usize::from(bubble.vertex), scale(0))]).collect())
+    };
+    (0..vertices).map(of_vertex).chain(bubbles.iter().map(of_bubble)).collect()
+}
+
+/// The coefficients of vertices and bubbles of a function given by those of vertices and products G (see [`lifted`]): that of a
+/// set of sheets is the sum over the sets B of the vertex that hold it, `G^B / 6^..` with their correction.
+pub(super) fn lowered<T: Copy>(
+    bubbles: &[Bubble],
+    vertices: usize,
+    lifted: &[T],
+    sum: impl Fn(&mut dyn Iterator<Item = (T, f64)>) -> T,
+) -> Vec<T> {
+    let mut lowered = lifted.to_vec();
+    let mut first = 0;
+    for own in bubbles.chunk_by(|a, b| a.vertex == b.vertex) {
+        let above = |sheets: &[u32]| -> Vec<(T, f64)> {
+            let holds = |b: &&(usize, &Bubble)| sheets.iter().all(|s| b.1.sheets.contains(s));
+            let scale = |b: &Bubble| 6.0_f64.powi(sheets.len() as i32 - b.sheets.len() as i32);
+            let found: Vec<(usize, &Bubble)> = own.iter().enumerate().collect();
+            found.iter().filter(holds).map(|(i, b)| (lifted[vertices + first + i], scale(b))).collect()
+        };
+        for (i, bubble) in own.iter().enumerate() {
+            lowered[vertices + first + i] = sum(&mut above(&bubble.sheets).into_iter());
+        }
+        let v = own[0].vertex as usize;
+        lowered[v] = sum(&mut above(&[]).into_iter().chain([(lifted[v], 1.0)]));
+        first += own.len();
+    }
+    lowered
 }
 
 impl LocalBubble {
@@ -180,8 +227,9 @@ impl LocalBubble {
     }
 }
 
-/// The sets of faces, as bits, of which no two are opposite.
-fn projections(own: u8) -> impl Iterator<Item = u8> {
+/// The sets of faces, as bits, below which bubbles take values: those of which no two are opposite.
+pub(super) fn projections(bubbles: &[LocalBubble]) -> impl Iterator<Item = u8> {
+    let own = bubbles.iter().flat_map(|b| &b.faces).fold(0, |all, bits| all | bits);
     (1..64_u8).filter(move |f| f & !own == 0 && (0..3).all(|axis| f >> (2 * axis) & 3 != 3))
 }
 
@@ -193,7 +241,7 @@ fn foot(at: DVec3, faces: u8) -> DVec3 {
 }
 
 /// The product of the splines b0 of the distances from these faces with a function of the foot.
-fn lifted(at: DVec3, faces: u8, n: f64, dn: DVec3) -> (f64, DVec3) {
+fn lift(at: DVec3, faces: u8, n: f64, dn: DVec3) -> (f64, DVec3) {
     let factors = [0, 1, 2].map(|axis| match faces >> (2 * axis) & 3 {
         0 => None,
         1 => Some(spline::cubic(at[axis])[0]),

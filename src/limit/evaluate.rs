@@ -7,79 +7,232 @@ use super::spline;
 use crate::mesh::hex::HexTopology;
 use crate::subdiv::catmull_clark::{Control, Split, Stencils};
 use crate::subdiv::options::CatmullClark;
+use faer::linalg::matmul::matmul;
+use faer::{Accum, MatMut, MatRef, Par};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
-use std::rc::Rc;
+use std::sync::{Arc, PoisonError, RwLock};
 
 /// Levels of subdivision after which a cell counts as a point. Away from extraordinary edges a few suffice; on them the
 /// functions' values converge at least by a factor of 0.63 a level.
 const DEEPEST: usize = 60;
 
 /// The functions at points of the unit cube.
-pub(super) fn table(shape: &Shape, points: &[DVec3], variant: CatmullClark) -> Table {
-    descend(shape, points, &mut Known { variant, families: FxHashMap::default() }, 0)
+pub(super) fn table(shape: &Shape, points: &[DVec3], families: &Families) -> Table {
+    let functions = shape.vertices();
+    let mut sums = Sums { functions, all: vec![0.0; 4 * functions * points.len()] };
+    let within = Within { places: points.to_vec(), numbers: (0..points.len()).collect(), depth: 0 };
+    descend(shape, &Weights::identity(functions), within, &mut Known::new(families), &mut sums);
+    sums.table(points.len())
 }
 
-/// The families of rings met so far: near extraordinary edges the same come back level after level.
-struct Known {
+/// Points in a part of the unit cube.
+struct Within {
+    /// In the part's own coordinates.
+    places: Vec<DVec3>,
+    /// Their numbers in the table.
+    numbers: Vec<usize>,
+    /// Levels below the cell.
+    depth: usize,
+}
+
+/// The control points of a ring as combinations of those of the first one, row by row.
+struct Weights {
+    columns: usize,
+    all: Vec<f64>,
+}
+
+impl Weights {
+    fn identity(columns: usize) -> Self {
+        let mut all = vec![0.0; columns * columns];
+        (0..columns).for_each(|i| all[i * columns + i] = 1.0);
+        Self { columns, all }
+    }
+
+    fn row(&self, v: usize) -> &[f64] {
+        &self.all[v * self.columns..(v + 1) * self.columns]
+    }
+
+    /// Those of a child's ring.
+    fn child(&self, stencils: &Stencils, ring: &Ring) -> Self {
+        let mut all = vec![0.0; self.columns * ring.vertices.len()];
+        for (&v, row) in ring.vertices.iter().zip(all.chunks_exact_mut(self.columns)) {
+            for (parent, weight) in stencils.row(v as usize) {
+                row.iter_mut().zip(self.row(parent as usize)).for_each(|(sum, w)| *sum += weight * w);
+            }
+        }
+        Self { columns: self.columns, all }
+    }
+}
+
+/// Values and the three derivatives of all functions at each point, one after the other.
+struct Sums {
+    functions: usize,
+    all: Vec<f64>,
+}
+
+impl Sums {
+    /// Adds functions of a ring (four rows a point: values, derivatives; one column a vertex), which are combinations of the
+    /// first ring's.
+    fn add(&mut self, numbers: &[usize], local: &[f64], weights: &Weights) {
+        let (n, rows) = (self.functions, 4 * numbers.len());
+        let columns = weights.all.len() / n;
+        let mut product = vec![0.0; rows * n];
+        matmul(
+            MatMut::from_row_major_slice_mut(&mut product, rows, n),
+            Accum::Replace,
+            MatRef::from_row_major_slice(local, rows, columns),
+            MatRef::from_row_major_slice(&weights.all, columns, n),
+            1.0,
+            Par::Seq,
+        );
+        for (&number, own) in numbers.iter().zip(product.chunks_exact(4 * n)) {
+            let sums = &mut self.all[4 * n * number..4 * n * (number + 1)];
+            sums.iter_mut().zip(own).for_each(|(sum, x)| *sum += x);
+        }
+    }
+
+    fn table(&self, points: usize) -> Table {
+        let n = self.functions;
+        let mut table = Table { functions: n, values: Vec::with_capacity(n * points), gradients: Vec::new() };
+        table.gradients.reserve(n * points);
+        for own in self.all.chunks_exact(4 * n) {
+            table.values.extend(&own[..n]);
+            table.gradients.extend((n..2 * n).map(|i| DVec3::new(own[i], own[i + n], own[i + 2 * n])));
+        }
+        table
+    }
+}
+
+/// A part of the unit cube: a cube with its lowest corner and its side.
+pub type Part = (DVec3, f64);
+
+/// The parts of the unit cube, halved `depth` times at most, in which functions are polynomials or which are too small to be
+/// halved again. `projections` are sets of the cube's faces, as bits: the functions take values below a point on these too.
+pub(super) fn parts(shape: &Shape, projections: &[u8], depth: u32, families: &Families) -> Vec<Part> {
+    let mut known = Known::new(families);
+    let (mut parts, mut open) = (Vec::new(), vec![(0, [0; 3])]);
+    while let Some((level, index)) = open.pop() {
+        let mut plain = |faces: u8| is_polynomial(shape, [0, level], below(index, level, faces), &mut known);
+        if level == depth || (plain(0) && projections.iter().all(|&faces| plain(faces))) {
+            let size = 0.5_f64.powi(level as i32);
+            parts.push((size * DVec3::from_array(index.map(f64::from)), size));
+        } else {
+            let child = |c: u32| [0, 1, 2].map(|axis| 2 * index[axis] + (c >> axis & 1));
+            open.extend((0..8).rev().map(|c| (level + 1, child(c))));
+        }
+    }
+    parts
+}
+
+/// The part of a level on all these faces below a part.
+fn below(mut index: [u32; 3], level: u32, faces: u8) -> [u32; 3] {
+    let last = (1 << level) - 1;
+    (0..6).filter(|f| faces >> f & 1 == 1).for_each(|f| index[f / 2] = if f % 2 == 1 { last } else { 0 });
+    index
+}
+
+/// Whether functions are polynomials on a part of the unit cube, so many levels below that of `shape`.
+fn is_polynomial(shape: &Shape, [from, level]: [u32; 2], index: [u32; 3], known: &mut Known<'_>) -> bool {
+    if level == 0 || shape.regular().is_some() {
+        return shape.regular().is_some();
+    }
+    let Some(family) = known.family(shape, from as usize) else { return false };
+    let halves = index.map(|i| (i >> (level - 1) & 1) as usize);
+    let child = &family.children[halves[0] | halves[1] << 1 | halves[2] << 2];
+    is_polynomial(&child.shape, [from + 1, level - 1], index, known)
+}
+
+/// Levels from which on rings are remembered for all cells: near extraordinary edges the same come back level after level,
+/// while those above are as many as there are different rings in the mesh.
+const COMMON: usize = 2;
+
+/// The families of rings that many cells have in common.
+#[derive(Debug)]
+pub(super) struct Families {
     variant: CatmullClark,
-    families: FxHashMap<Shape, Rc<Family>>,
+    known: RwLock<FxHashMap<Shape, Arc<Family>>>,
 }
 
-impl Known {
-    fn family(&mut self, shape: &Shape) -> Option<Rc<Family>> {
-        if let Some(family) = self.families.get(shape) {
+impl Families {
+    pub fn new(variant: CatmullClark) -> Self {
+        Self { variant, known: RwLock::default() }
+    }
+}
+
+/// The families of rings met so far below one cell.
+struct Known<'a> {
+    common: &'a Families,
+    own: FxHashMap<Shape, Arc<Family>>,
+}
+
+impl<'a> Known<'a> {
+    fn new(common: &'a Families) -> Self {
+        Self { common, own: FxHashMap::default() }
+    }
+
+    /// The family of a ring that belongs to a part of this level.
+    fn family(&mut self, shape: &Shape, level: usize) -> Option<Arc<Family>> {
+        if let Some(family) = self.own.get(shape) {
             return Some(family.clone());
         }
-        let family = Rc::new(Family::new(shape, self.variant)?);
-        self.families.insert(shape.clone(), family.clone());
+        // A thread that failed left the map as it was.
+        let common = || self.common.known.read().unwrap_or_else(PoisonError::into_inner).get(shape).cloned();
+        let family = match common().filter(|_| level >= COMMON) {
+            Some(family) => family,
+            None => Arc::new(Family::new(shape, self.common.variant)?),
+        };
+        if level >= COMMON {
+            let mut known = self.common.known.write().unwrap_or_else(PoisonError::into_inner);
+            known.entry(shape.clone()).or_insert_with(|| family.clone());
+        }
+        self.own.insert(shape.clone(), family.clone());
         Some(family)
     }
 }
 
-fn descend(shape: &Shape, points: &[DVec3], known: &mut Known, depth: usize) -> Table {
-    let functions = shape.vertices();
-    let mut table = Table {
-        functions,
-        values: vec![0.0; functions * points.len()],
-        gradients: vec![DVec3::ZERO; functions * points.len()],
-    };
-    let mut add = |point: usize, v: usize, value: f64, gradient: DVec3| {
-        table.values[point * functions + v] += value;
-        table.gradients[point * functions + v] += gradient;
+/// Takes a function of a ring, its value and its derivatives.
+type Take<'a> = dyn FnMut(usize, f64, DVec3) + 'a;
+
+fn descend(shape: &Shape, weights: &Weights, within: Within, known: &mut Known<'_>, sums: &mut Sums) {
+    let Within { places, numbers, depth } = within;
+    // Derivatives are those along the axes of the cell.
+    let (scale, columns) = (0.5_f64.powi(-(depth as i32)), shape.vertices());
+    let local = |of: &dyn Fn(DVec3, &mut Take<'_>)| {
+        let mut local = vec![0.0; 4 * columns * places.len()];
+        for (own, at) in local.chunks_exact_mut(4 * columns).zip(&places) {
+            of(*at, &mut |v, n, dn| {
+                own[v] += n;
+                (0..3).for_each(|axis| own[(axis + 1) * columns + v] += scale * dn[axis]);
+            });
+        }
+        local
     };
     if let Some(grid) = shape.regular() {
-        points.iter().enumerate().for_each(|(i, at)| tensor(&grid, *at, &mut |v, n, dn| add(i, v, n, dn)));
-        return table;
+        sums.add(&numbers, &local(&|at, add| tensor(&grid, at, add)), weights);
+        return;
     }
-    let family = if depth == DEEPEST { None } else { known.family(shape) };
+    let family = if depth == DEEPEST { None } else { known.family(shape, depth) };
     let Some(family) = family else {
-        points.iter().enumerate().for_each(|(i, at)| trilinear(*at, &mut |v, n, dn| add(i, v, n, dn)));
-        return table;
+        sums.add(&numbers, &local(&|at, add| trilinear(at, add)), weights);
+        return;
     };
     let mut of_child: [(Vec<usize>, Vec<DVec3>); 8] = Default::default();
-    for (i, &at) in points.iter().enumerate() {
+    for (&number, &at) in numbers.iter().zip(&places) {
         let halves = [0, 1, 2].map(|axis| usize::from(at[axis] > 0.5));
         let child = halves[0] | halves[1] << 1 | halves[2] << 2;
-        of_child[child].0.push(i);
+        of_child[child].0.push(number);
         of_child[child].1.push(2.0 * at - DVec3::from_array(halves.map(|h| h as f64)));
     }
-    for (child, (numbers, places)) in of_child.iter().enumerate().filter(|(_, c)| !c.0.is_empty()) {
+    for (child, (numbers, places)) in of_child.into_iter().enumerate().filter(|(_, c)| !c.0.is_empty()) {
         let ring = &family.children[child];
-        let finer = descend(&ring.shape, places, known, depth + 1);
-        for (q, &i) in numbers.iter().enumerate() {
-            let functions = finer.values_at(q).iter().zip(finer.gradients_at(q));
-            for (&v, (n, dn)) in ring.vertices.iter().zip(functions) {
-                for (parent, weight) in family.stencils.row(v as usize) {
-                    add(i, parent as usize, weight * n, 2.0 * weight * *dn);
-                }
-            }
-        }
+        let own = weights.child(&family.stencils, ring);
+        descend(&ring.shape, &own, Within { places, numbers, depth: depth + 1 }, known, sums);
     }
-    table
 }
 
 /// A ring after one step of subdivision.
+#[derive(Debug)]
 struct Family {
     stencils: Stencils,
     /// The rings of the children of the first cell.
@@ -111,7 +264,7 @@ impl Family {
 }
 
 /// The tensor product of splines.
-fn tensor(grid: &Grid, at: DVec3, add: &mut dyn FnMut(usize, f64, DVec3)) {
+fn tensor(grid: &Grid, at: DVec3, add: &mut Take<'_>) {
     let [x, y, z] = [0, 1, 2].map(|axis| spline::ended(at[axis], grid.lower[axis], grid.upper[axis]));
     for (place, &v) in grid.places.iter().enumerate().filter(|(_, v)| **v != u16::MAX) {
         let ([x, dx], [y, dy], [z, dz]) = (x[place % 4], y[place / 4 % 4], z[place / 16]);
@@ -120,7 +273,7 @@ fn tensor(grid: &Grid, at: DVec3, add: &mut dyn FnMut(usize, f64, DVec3)) {
 }
 
 /// The trilinear functions of the corners.
-fn trilinear(at: DVec3, add: &mut dyn FnMut(usize, f64, DVec3)) {
+fn trilinear(at: DVec3, add: &mut Take<'_>) {
     for c in 0..8 {
         let side = |axis: usize| if c >> axis & 1 == 1 { [at[axis], 1.0] } else { [1.0 - at[axis], -1.0] };
         let ([x, dx], [y, dy], [z, dz]) = (side(0), side(1), side(2));

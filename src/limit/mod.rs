@@ -10,11 +10,13 @@ mod ring;
 mod spline;
 
 pub use bubbles::Bubble;
+pub use evaluate::Part;
 
 use crate::mesh::hex::HexMesh;
 use crate::subdiv::catmull_clark::Control;
 use crate::subdiv::options::CatmullClark;
 use bubbles::{Enriched, LocalBubble};
+use evaluate::Families;
 use glam::DVec3;
 use rayon::prelude::*;
 use ring::{Ring, Shape};
@@ -48,12 +50,14 @@ impl Table {
 /// The functions on the cells of a control mesh: those of its vertices, and the bubbles of the boundary if asked for.
 #[derive(Debug)]
 pub struct Basis {
-    variant: CatmullClark,
+    families: Families,
     vertices: usize,
     bubbles: Vec<Bubble>,
     /// Distinct rings, in the order of the first cell of each.
     classes: Vec<Class>,
     class_of: Vec<u32>,
+    /// Whether a class has several cells.
+    shared: Vec<bool>,
     starts: Vec<usize>,
     functions: Vec<u32>,
 }
@@ -88,11 +92,12 @@ impl Basis {
         let cells: Vec<_> = (0..mesh.cells().len()).into_par_iter().map(of_cell).collect();
         let mut numbers: FxHashMap<Class, u32> = FxHashMap::default();
         let mut basis = Self {
-            variant,
+            families: Families::new(variant),
             vertices,
             bubbles: enrichment.map(|e| e.bubbles).unwrap_or_default(),
             classes: Vec::new(),
             class_of: Vec::with_capacity(cells.len()),
+            shared: Vec::new(),
             starts: vec![0],
             functions: Vec::new(),
         };
@@ -102,6 +107,11 @@ impl Basis {
                 basis.classes.push(class.clone());
                 next
             });
+            if number == next {
+                basis.shared.push(false);
+            } else {
+                basis.shared[number as usize] = true;
+            }
             basis.class_of.push(number);
             basis.functions.extend(functions);
             basis.starts.push(basis.functions.len());
@@ -133,7 +143,7 @@ impl Basis {
         self.classes.len()
     }
 
-    /// The class of cell `t`, an index into what [`Basis::tabulate`] returns.
+    /// The class of cell `t`, below [`Basis::classes`].
     #[must_use]
     pub fn class(&self, t: usize) -> usize {
         self.class_of[t] as usize
@@ -151,25 +161,48 @@ impl Basis {
         self.classes[class].shape.regular().is_some()
     }
 
-    /// The functions of each class at points of the unit cube.
+    /// Whether several cells are of a class.
     #[must_use]
-    pub fn tabulate(&self, points: &[DVec3]) -> Vec<Table> {
-        self.classes.par_iter().map(|class| class.table(points, self.variant)).collect()
+    pub fn is_shared(&self, class: usize) -> bool {
+        self.shared[class]
+    }
+
+    /// The parts of the unit cube, halved `depth` times at most, in which the functions of a class are polynomials or which are
+    /// too small to be halved again.
+    #[must_use]
+    pub fn parts(&self, class: usize, depth: u32) -> Vec<Part> {
+        let Class { shape, bubbles } = &self.classes[class];
+        let projections: Vec<u8> = bubbles::projections(bubbles).collect();
+        evaluate::parts(shape, &projections, depth, &self.families)
+    }
+
+    /// The functions of a class as others that do not depend on each other: each a combination of the class's; `None` where it
+    /// vanishes. See [`Basis::lowered`].
+    #[must_use]
+    pub fn lifted(&self, class: usize) -> Vec<Option<Vec<(usize, f64)>>> {
+        let Class { shape, bubbles } = &self.classes[class];
+        bubbles::lifted(bubbles, shape.vertices())
+    }
+
+    /// The coefficients of a function that is given by those of [`Basis::lifted`] ones; `sum` makes a weighted sum.
+    #[must_use]
+    pub fn lowered<T: Copy>(&self, lifted: &[T], sum: impl Fn(&mut dyn Iterator<Item = (T, f64)>) -> T) -> Vec<T> {
+        bubbles::lowered(&self.bubbles, self.vertices, lifted, sum)
     }
 
     /// The functions of one class at points of the unit cube.
     #[must_use]
     pub fn table(&self, class: usize, points: &[DVec3]) -> Table {
-        self.classes[class].table(points, self.variant)
+        self.classes[class].table(points, &self.families)
     }
 }
 
 impl Class {
-    fn table(&self, points: &[DVec3], variant: CatmullClark) -> Table {
-        let plain = evaluate::table(&self.shape, points, variant);
+    fn table(&self, points: &[DVec3], families: &Families) -> Table {
+        let plain = evaluate::table(&self.shape, points, families);
         if self.bubbles.is_empty() {
             return plain;
         }
-        bubbles::enriched_table(&self.bubbles, &plain, points, |points| evaluate::table(&self.shape, points, variant))
+        bubbles::enriched_table(&self.bubbles, &plain, points, |points| evaluate::table(&self.shape, points, families))
     }
 }

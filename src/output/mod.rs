@@ -11,6 +11,7 @@ pub mod elements;
 mod error;
 mod field_data;
 pub mod frames;
+mod hex_cells;
 pub mod hex_mesh;
 pub mod hex_vtk;
 pub mod options;

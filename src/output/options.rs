@@ -16,6 +16,20 @@ pub enum Compression {
     Zlib,
 }
 
+/// The cells that show hexahedral elements in VTK files.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum HexCells {
+    /// Lagrange cells of the elements' degree: points hold the fields' values.
+    #[default]
+    Lagrange,
+    /// Bezier cells where Catmull-Clark elements are polynomials, Lagrange cells elsewhere: points of Bezier cells hold
+    /// coefficients.
+    Bezier,
+    /// Linear cells, as many a direction as the elements' degree, for programs that know no others.
+    Linear,
+}
+
 /// A field of the solution in VTK files, by its name there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]

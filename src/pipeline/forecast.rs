@@ -263,7 +263,7 @@ pub(super) fn next_bytes(peak: usize, growth: f64, method: &str) -> f64 {
 }
 
 /// Memory that programs can get without swapping, where the system tells (Linux).
-fn free_bytes() -> Option<u64> {
+pub(super) fn free_bytes() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find_map(|l| l.strip_prefix("MemAvailable:"))?;
     Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)

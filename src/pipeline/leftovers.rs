@@ -93,8 +93,11 @@ pub(super) fn for_comparison(folder: &Path, names: &[&str], scenario: &Scenario)
 fn contestants(folder: &Path) -> Vec<String> {
     let text = fs::read_to_string(folder.join("compare.json")).unwrap_or_default();
     let listed = serde_json::from_str::<serde_json::Value>(&text).ok();
-    let variants = listed.iter().filter_map(|json| json["variants"].as_array()).flatten();
-    let names = variants.filter_map(|v| v["name"].as_str()).filter(|name| is_name(name)).map(str::to_owned);
+    let of = |list: &'static str, name: &'static str| {
+        let entries = listed.iter().filter_map(move |json| json[list].as_array()).flatten();
+        entries.filter_map(move |entry| entry[name].as_str())
+    };
+    let names = of("variants", "name").chain(of("rows", "element")).filter(|name| is_name(name)).map(str::to_owned);
     FOLDERS.into_iter().map(str::to_owned).chain(names).collect()
 }
 

@@ -41,7 +41,8 @@ pub(super) fn warnings(
 pub(super) fn idle_supports(model: &Model, prescribed: &[Prescribed]) -> Vec<String> {
     let mut busy = vec![false; model.supports.len()];
     prescribed.iter().for_each(|p| busy[p.support as usize] = true);
-    let idle = model.supports.iter().zip(busy).filter(|(s, busy)| !busy && s.stiffness == DVec3::ZERO);
+    let idle =
+        model.supports.iter().zip(busy).filter(|(s, busy)| !busy && s.weakly.is_none() && s.stiffness == DVec3::ZERO);
     idle.map(|(s, _)| format!("support `{}` holds nothing that others do not hold already", s.name)).collect()
 }
 

@@ -82,6 +82,15 @@ pub enum ModelError {
         /// What to do.
         help: &'static str,
     },
+    /// A support of tetrahedra is to hold in the mean.
+    #[error("{place}: {what} holds in the mean (weak = true), which is for hexahedra")]
+    #[diagnostic(help("leave `weak` out: tetrahedra are held at their nodes"))]
+    Weak {
+        /// Where the support is written.
+        place: String,
+        /// The support.
+        what: String,
+    },
     /// A force acts at a point outside the mesh.
     #[error("{place}: the point {point} of load `{load}` lies outside the mesh")]
     #[diagnostic(help("{help}"))]

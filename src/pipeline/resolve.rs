@@ -230,6 +230,8 @@ fn do_meet(mesh: &impl Tagged, group: GroupId, other: GroupId) -> bool {
 pub(super) trait Body: Clone {
     /// The kind of mesh.
     type Mesh: Tagged;
+    /// Whether supports can hold in the mean over their faces.
+    const HOLDS_WEAKLY: bool;
     /// The mesh.
     fn mesh(&self) -> &Self::Mesh;
     /// The same body with another mesh of the same vertices and cells.
@@ -253,6 +255,8 @@ pub(super) struct Tets {
 
 impl Body for Tets {
     type Mesh = TetMesh;
+
+    const HOLDS_WEAKLY: bool = false;
 
     fn mesh(&self) -> &TetMesh {
         &self.mesh
@@ -312,8 +316,16 @@ impl<B: Body> Targets<B> {
         let group = self.group("support", &s.name, &s.place, &s.selector)?;
         let meets = s.meets.as_ref().map(|other| self.group("support", &s.name, &s.place, other)).transpose()?;
         let mut displacement = s.displacement.clone();
+        let mut weakly = s.weak.then_some(fem::Weakly::Components);
+        if s.weak && !B::HOLDS_WEAKLY {
+            return Err(ModelError::Weak { place: s.place.clone(), what: format!("support `{}`", s.name) });
+        }
         if s.sliding {
-            displacement[normal_axis(self.mesh(), group, s)?] = Some(Field::ZERO);
+            match normal_axis(self.mesh(), group, s) {
+                Ok(axis) => displacement[axis] = Some(Field::ZERO),
+                Err(_) if B::HOLDS_WEAKLY => weakly = Some(fem::Weakly::Normal),
+                Err(error) => return Err(error),
+            }
         }
         if let Some(exact) = exact.filter(|_| s.exact) {
             displacement = [0, 1, 2].map(|c| Some(exact.displacement_field(c)));
@@ -322,7 +334,7 @@ impl<B: Body> Targets<B> {
             let (place, what) = (s.place.clone(), format!("support `{}`", s.name));
             return Err(ModelError::NoEdge { place, what });
         }
-        Ok(fem::Support { name: s.name.clone(), group, meets, displacement, stiffness: s.stiffness })
+        Ok(fem::Support { name: s.name.clone(), group, meets, displacement, weakly, stiffness: s.stiffness })
     }
 
     pub(super) fn load(&mut self, load: &Load) -> Result<fem::LoadKind, ModelError> {
@@ -399,7 +411,7 @@ pub(super) fn with_features(tagged: &Features, mesh: TetMesh) -> Result<TetMesh,
         let problem = format!("vertex {v} does not exist: the mesh has {count}");
         return Err(ModelError::Feature { key: "corners", problem });
     }
-    let mesh = features::with_creases(mesh, tagged.angle, &tagged.edges);
+    let mesh = features::with_creases(mesh, tagged.sharp_angle(), &tagged.edges);
     if tagged.corners.is_empty() {
         return Ok(mesh);
     }

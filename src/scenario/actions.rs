@@ -29,6 +29,8 @@ pub struct Support {
     pub sliding: bool,
     /// Whether the displacement is that of `[exact]`.
     pub exact: bool,
+    /// Whether it holds in the mean over its faces instead of at nodes or control points.
+    pub weak: bool,
     /// Stiffness of an elastic foundation in x, y, z: force per area and displacement.
     pub stiffness: DVec3,
 }
@@ -197,6 +199,12 @@ fn support(name: String, Table { span, mut value }: Table<RawSupport>, known: bo
              (sliding, symmetry) or spring = 1e6 (per area)",
         ));
     }
+    let weak = value.weak.as_ref().filter(|weak| *weak.get_ref());
+    if let (Some(weak), true) = (weak, free || value.meet.is_some()) {
+        let fault = Fault::new(weak.span(), "is for a displacement held on faces", "of what?");
+        return Err(fault.help("name it with fix or displacement, or leave `weak` out"));
+    }
+    let weak = weak.is_some();
     let meet = value.meet.take();
     if let (Some(meet), true) = (&meet, normal.is_some() || stiffness != DVec3::ZERO) {
         let fault = Fault::new(meet.span(), "is an edge, which has no normal and no area", "an edge");
@@ -207,7 +215,7 @@ fn support(name: String, Table { span, mut value }: Table<RawSupport>, known: bo
         Some(meet) => edge(meet, at_most_one(value.into())?)?,
     };
     let (sliding, exact, place) = (normal.is_some(), exact.is_some(), place(&span));
-    Ok(Support { name, place, selector, meets, displacement, sliding, exact, stiffness })
+    Ok(Support { name, place, selector, meets, displacement, sliding, exact, weak, stiffness })
 }
 
 /// The two selectors of faces that meet at an edge; `beside` is a selector that stands beside them.

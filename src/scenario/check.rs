@@ -13,6 +13,9 @@ use std::ops::Range;
 /// Most refinement steps a scenario may ask for.
 pub const MAX_STEPS: i64 = 20;
 
+/// Steps of a run on hexahedra that has stop rules and names no number.
+const MAX_HEX_STEPS: usize = 5;
+
 /// Most cells a generated box may have before each is cut into tetrahedra.
 const MAX_BOX_CELLS: usize = 100_000_000;
 
@@ -30,7 +33,9 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
     let mut analysis = raw.analysis.map(|t| t.value);
     let smooth = smooth(analysis.as_mut().and_then(|a| a.smooth.take()), analysis.as_ref())?;
     let (element, hexes) = elements(analysis, &body)?;
-    warnings.extend(locking(&materials, element));
+    warnings.extend(locking(&materials, element, hexes));
+    let is_straight = midside_key.as_ref().is_some_and(|m| *m.get_ref() == Midside::Straight);
+    let hexes = hexes.map(|h| Hexes { curved: h.element.has_edge_nodes() && !is_straight, ..h });
     let midside = midside(midside_key, element)?;
     let has_goal = raw.adapt.as_ref().is_some_and(|t| t.value.goal.is_some());
     let written = raw.refine.as_ref().map(|t| t.span.clone());
@@ -40,6 +45,9 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
         warnings.push(SMOOTH_ERRORS.to_owned());
     }
     let asked = refine.stop.relative_error.is_some();
+    if hexes.is_some() && raw.adapt.as_ref().is_some_and(|t| t.value.steers()) {
+        warnings.push("[adapt] is for tetrahedra: hexahedra are refined globally, it has no effect here".to_owned());
+    }
     let adapt = adapt(raw.adapt.map(|t| t.value).unwrap_or_default(), asked, &quantities, &supports)?;
     Ok(Scenario {
         path: PathBuf::new(),
@@ -64,7 +72,7 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
         hexes,
         adapt,
         solver: solver(raw.solver.map(|t| t.value).unwrap_or_default())?,
-        output: output(&raw.output.map(|t| t.value).unwrap_or_default()),
+        output: output(&raw.output.map(|t| t.value).unwrap_or_default(), hexes.is_some())?,
         published: raw.published.map(|t| published(t.value)).transpose()?,
         units: raw.units.map(|t| t.value).unwrap_or_default(),
         warnings,
@@ -92,11 +100,16 @@ fn elements(raw: Option<RawAnalysis>, body: &MeshSource) -> Checked<(Element, Op
     // The vertices of generated bodies lie on them.
     let is_round = matches!(body, MeshSource::Shape(shape) if shape.is_curved());
     let interpolate = smooth && raw.interpolate.map_or(is_round, Spanned::into_inner);
-    let points = raw.points.map(|n| integer(&n, 2..=10)).transpose()?;
+    // Fewer leave displacements that no point sees.
+    let fewest = match kind {
+        Err(HexElement::Hex8 | HexElement::Hex20) | Ok(_) => 2,
+        Err(_) => 3,
+    };
+    let points = raw.points.map(|n| integer(&n, fewest..=10)).transpose()?;
     let splits = raw.splits.map(|n| integer(&n, 0..=3)).transpose()?.unwrap_or(1);
     let options =
         HexOptions { masks: raw.masks.map(|m| *m.get_ref()).unwrap_or_default(), points, splits: splits as u32 };
-    Ok((kind.unwrap_or_default(), kind.err().map(|element| Hexes { element, options, interpolate })))
+    Ok((kind.unwrap_or_default(), kind.err().map(|element| Hexes { element, options, curved: false, interpolate })))
 }
 
 /// What the error estimate sees of smooth functions.
@@ -200,7 +213,7 @@ fn brick(raw: &RawBrick) -> Checked<MeshSource> {
 
 pub(super) fn features(raw: Option<Table<RawFeatures>>) -> Checked<Features> {
     let Some(Table { value: raw, .. }) = raw else {
-        return Ok(Features { angle: 40.0, edges: Vec::new(), corners: Vec::new() });
+        return Ok(Features { angle: None, edges: Vec::new(), corners: Vec::new() });
     };
     let angle = raw.angle.map(|a| within(&a, "an angle from 0 to 180 degrees", |a| (0.0..=180.0).contains(&a)));
     let edge = |e: Spanned<Vec<u32>>| match e.get_ref()[..] {
@@ -208,7 +221,7 @@ pub(super) fn features(raw: Option<Table<RawFeatures>>) -> Checked<Features> {
         _ => Err(outside(e.span(), &format!("{:?}", e.get_ref()), "two different vertex numbers")),
     };
     Ok(Features {
-        angle: angle.transpose()?.unwrap_or(40.0),
+        angle: angle.transpose()?,
         edges: raw.edges.unwrap_or_default().into_iter().map(edge).collect::<Checked<_>>()?,
         corners: raw.corners.unwrap_or_default(),
     })
@@ -231,12 +244,21 @@ fn materials(raw: Named<RawMaterial>, place: Place) -> Checked<Vec<Material>> {
 }
 
 /// Warnings of materials that linear elements make too stiff.
-fn locking(materials: &[Material], element: Element) -> Vec<String> {
-    let stiff = materials.iter().filter(|m| element == Element::Tet4 && m.poissons_ratio > 0.49);
+fn locking(materials: &[Material], element: Element, hexes: Option<Hexes>) -> Vec<String> {
+    let (kind, better) = match hexes.map(|h| h.element) {
+        None if element == Element::Tet4 => {
+            ("linear tetrahedra lock", "ten-node ones do not (analysis.element = \"tet10\")")
+        }
+        Some(HexElement::Hex8) => (
+            "trilinear hexahedra lock",
+            "triquadratic ones hardly do (analysis.element = \"hex27\"), and their error is seen",
+        ),
+        _ => return Vec::new(),
+    };
+    let stiff = materials.iter().filter(|m| m.poissons_ratio > 0.49);
     let warning = |m: &Material| {
         format!(
-            "materials.{}: poissons_ratio = {} is nearly incompressible; linear tetrahedra lock (too stiff) above 0.49: \
-             ten-node ones do not (analysis.element = \"tet10\")",
+            "materials.{}: poissons_ratio = {} is nearly incompressible; {kind} (too stiff) above 0.49: {better}",
             m.name, m.poissons_ratio
         )
     };
@@ -268,7 +290,13 @@ fn material(
 fn refine(raw: Option<RawRefine>, hexes: Option<Hexes>, has_goal: bool, warnings: &mut Vec<String>) -> Checked<Refine> {
     let absent = raw.is_none();
     let raw = raw.unwrap_or_default();
-    let stop = stop(&raw.stop.map(|t| t.value).unwrap_or_default(), has_goal)?;
+    let raw_stop = raw.stop.map(|t| t.value).unwrap_or_default();
+    let quantity_error = raw_stop.quantity_error.as_ref().map(Spanned::span);
+    let stop = stop(&raw_stop, has_goal)?;
+    if let (Some(_), Some(written)) = (hexes, &quantity_error) {
+        let fault = Fault::new(written.clone(), "is for tetrahedra", "not estimated on hexahedra");
+        return Err(fault.help("stop by relative_error, or choose analysis.element = \"tet10\""));
+    }
     let scheme = raw.scheme.as_ref().map_or(Scheme::Sqrt3, |s| *s.get_ref());
     let default = match scheme {
         _ if absent => Strategy::None,
@@ -293,11 +321,19 @@ fn refine(raw: Option<RawRefine>, hexes: Option<Hexes>, has_goal: bool, warnings
             .help("set refine.strategy = \"global\", or refine.scheme = \"sqrt3\" or \"longest-edge\""));
     }
     // A stop rule ends the run where it is met; without one, a single step is the modest choice.
-    let default_steps = if stop == Stop::default() { 1 } else { MAX_STEPS as usize };
+    let default_steps = match hexes {
+        _ if stop == Stop::default() => 1,
+        // Each step has eight times the cells.
+        Some(_) => MAX_HEX_STEPS,
+        None => MAX_STEPS as usize,
+    };
     let steps = raw.steps.map(|n| integer(&n, 0..=MAX_STEPS)).transpose()?.unwrap_or(default_steps);
+    let optimises = raw.optimise.is_some();
     let optimise = optimise(&raw.optimise.map(|t| t.value).unwrap_or_default())?;
     let boundary = raw.boundary.unwrap_or(Boundary::Fixed);
-    if let Some(name) = moving(boundary)
+    if hexes.is_some() && (raw.boundary.is_some() || optimises) {
+        warnings.push("refine.boundary and refine.optimise are for tetrahedra: they have no effect here".to_owned());
+    } else if let Some(name) = moving(boundary)
         && strategy != Strategy::None
     {
         let effect = match scheme {
@@ -418,13 +454,18 @@ fn solver(raw: RawSolver) -> Checked<SolverOptions> {
     Ok(SolverOptions { method: raw.method.unwrap_or(default.method), tolerance, ..default })
 }
 
-fn output(raw: &RawOutput) -> Output {
-    Output {
+fn output(raw: &RawOutput, on_hexes: bool) -> Checked<Output> {
+    if let Some(hexahedra) = raw.hexahedra.as_ref().filter(|_| !on_hexes) {
+        let fault = Fault::new(hexahedra.span(), "is for elements of hexahedra", "not with this element");
+        return Err(fault.help("leave it out, or set analysis.element = \"catmull-clark\""));
+    }
+    Ok(Output {
         vtk: raw.vtk.unwrap_or(true),
         report: raw.report.unwrap_or(true),
         fields: raw.fields.clone().unwrap_or_else(|| FieldName::ALL.to_vec()),
         compression: raw.compression.unwrap_or_default(),
-    }
+        hexahedra: raw.hexahedra.as_ref().map(|h| *h.get_ref()).unwrap_or_default(),
+    })
 }
 
 fn published(raw: RawPublished) -> Checked<Published> {

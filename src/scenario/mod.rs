@@ -27,7 +27,7 @@ pub use wanted::{Bound, Cells, Exact, Expectation, Extent, Figure, Probe, Quanti
 
 use crate::adapt::options::{Estimator, Marking};
 use crate::fem::options::{Element, HexElement, HexOptions, SolverOptions};
-use crate::output::options::{Compression, FieldName, Published, Units};
+use crate::output::options::{Compression, FieldName, HexCells, Published, Units};
 use crate::subdiv::options::{Options, Smooth};
 use document::Setting;
 use serde::Deserialize as _;
@@ -108,6 +108,8 @@ pub struct Hexes {
     pub element: HexElement,
     /// How it is made and integrated.
     pub options: HexOptions,
+    /// Whether its edges are curved where the mesh's are.
+    pub curved: bool,
     /// `analysis.interpolate`: whether a Catmull-Clark solid goes through the mesh's vertices; else they are control points.
     pub interpolate: bool,
 }
@@ -131,13 +133,22 @@ pub enum MeshSource {
 /// Edges and corners that subdivision keeps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Features {
-    /// An edge of the boundary or of an interface is a feature if its faces' normals differ by more than this angle, in degrees.
-    pub angle: f64,
+    /// An edge of the boundary or of an interface is a feature if its faces' normals differ by more than this angle, in degrees;
+    /// 40 if not given.
+    pub angle: Option<f64>,
     /// Further feature edges. Vertices are numbered from 0 in the order of the mesh the run starts from (the point ids
     /// of `step_000.vtu`).
     pub edges: Vec<[u32; 2]>,
     /// Vertices that never move, numbered likewise.
     pub corners: Vec<u32>,
+}
+
+impl Features {
+    /// The angle from which on edges are features.
+    #[must_use]
+    pub fn sharp_angle(&self) -> f64 {
+        self.angle.unwrap_or(40.0)
+    }
 }
 
 /// A linear-elastic material.
@@ -221,6 +232,8 @@ pub struct Output {
     pub fields: Vec<FieldName>,
     /// Compression of the VTK files.
     pub compression: Compression,
+    /// The cells that show hexahedral elements.
+    pub hexahedra: HexCells,
 }
 
 impl Scenario {

@@ -6,7 +6,7 @@ use super::wanted::{RawBound, RawExpectation, RawProbe};
 use super::{Midside, fields, shapes};
 use crate::adapt::options::Estimator;
 use crate::fem::options::{Element, ExactSolution, Field, HexElement, Method, Total};
-use crate::output::options::{Compression, FieldName, Units};
+use crate::output::options::{Compression, FieldName, HexCells, Units};
 use crate::subdiv::options::{Boundary, CatmullClark, Mode, Objective, Octahedra, QualityMeasure, Scheme, SmoothBasis};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, de};
@@ -172,6 +172,7 @@ selector_table!(RawSupport {
     fix: Spanned<Fixed>,
     symmetry: Spanned<bool>,
     displacement: Table<RawDisplacement>,
+    weak: Spanned<bool>,
     spring: Spanned<RawStiffness>
 });
 selector_table!(RawLoad {
@@ -415,6 +416,13 @@ pub(super) struct RawAdapt {
     pub goal: Option<Text>,
 }
 
+impl RawAdapt {
+    /// Whether it says how to select cells.
+    pub(super) fn steers(&self) -> bool {
+        self.estimator.is_some() || self.marking.is_some() || self.grow.is_some()
+    }
+}
+
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawMarking {
@@ -439,6 +447,7 @@ pub(super) struct RawOutput {
     pub report: Option<bool>,
     pub fields: Option<Vec<FieldName>>,
     pub compression: Option<Compression>,
+    pub hexahedra: Option<Spanned<HexCells>>,
 }
 
 #[derive(Debug, Deserialize, JsonSchema)]

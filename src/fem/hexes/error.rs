@@ -20,12 +20,12 @@ impl HexErrors {
     /// The estimate by the distance of the elements' stress from the recovered one.
     #[must_use]
     pub fn estimate(space: &HexSpace<'_>, model: &Model, solution: &HexSolution, recovered: &RecoveredStress) -> Self {
-        let quadrature = Quadrature::new(space, space.gauss_points().max(3));
+        let quadrature = Quadrature::of_stiffness(space, 3, 0);
         let squared = space.of_cells(|t| {
             let (weights, table) = quadrature.of(space, t);
             let point = |(q, weight): (usize, &f64)| {
-                let error = difference(recovered.at(space, t, table, q), solution.stress(space, model, t, table, q));
-                let volume = weight * space.frame(t, table, q).1.determinant();
+                let error = difference(recovered.at(space, t, &table, q), solution.stress(space, model, t, &table, q));
+                let volume = weight * space.frame(t, &table, q).1.determinant();
                 volume * material(space, model, t).compliance_energy(error)
             };
             weights.iter().enumerate().map(point).sum::<f64>()
@@ -74,9 +74,9 @@ impl Exact {
             let ((weights, table), material) = (quadrature.of(space, t), material(space, model, t));
             let mut squares = [0.0; 2];
             for (q, weight) in weights.iter().enumerate() {
-                let (x, jacobian) = space.frame(t, table, q);
+                let (x, jacobian) = space.frame(t, &table, q);
                 let exact = self.stress(x);
-                let error = difference(exact, solution.stress(space, model, t, table, q));
+                let error = difference(exact, solution.stress(space, model, t, &table, q));
                 let volume = weight * jacobian.determinant();
                 squares[0] += volume * material.compliance_energy(error);
                 squares[1] += volume * material.compliance_energy(exact);

@@ -42,10 +42,15 @@ impl Lagrange {
         &self.nodes[t * self.each..(t + 1) * self.each]
     }
 
-    /// Positions of the nodes: middles of edges, faces and cells of trilinear cells.
+    /// Positions of the nodes: middles of edges, faces and cells, of trilinear cells if the mesh has none.
     pub fn points(&self, mesh: &HexMesh) -> Vec<DVec3> {
         let (topology, at) = (mesh.topology(), |v: u32| mesh.points()[v as usize]);
         let mut points = mesh.points().to_vec();
+        if self.each > 8 && !mesh.middles().is_empty() {
+            let count = if self.each > 20 { mesh.middles().len() } else { topology.edges().len() };
+            points.extend(&mesh.middles()[..count]);
+            return points;
+        }
         if self.each > 8 {
             points.extend(topology.edges().iter().map(|e| e.map(at).iter().sum::<DVec3>() / 2.0));
         }
@@ -74,7 +79,7 @@ impl Lagrange {
 }
 
 /// Where the nodes are, in halves of the unit cube: corners, edges, faces, middle.
-const PLACES: [[u8; 3]; 27] = {
+pub(super) const PLACES: [[u8; 3]; 27] = {
     let mut places = [[1; 3]; 27];
     let mut corner = 0;
     while corner < 8 {

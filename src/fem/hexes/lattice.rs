@@ -2,6 +2,7 @@
 
 use super::{HexSpace, Tables};
 use glam::DVec3;
+use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
@@ -12,7 +13,7 @@ pub struct Lattice {
     pub order: usize,
     /// The points of each cell, `(order + 1)^3` of them, x fastest.
     pub cells: Vec<u32>,
-    /// A cell of each point, and the point's number in it.
+    /// A cell of each point, and the point's number in it; ascending.
     pub sources: Vec<(u32, u32)>,
     /// The functions at the lattice.
     pub tables: Tables,
@@ -46,13 +47,22 @@ impl Lattice {
                 cells.push(number);
             }
         }
-        Self { order, cells, sources, tables: space.tables(&points) }
+        Self { order, cells, sources, tables: space.tables(points) }
     }
 
     /// Something at each point, from its cell, the cell's table and the number of the point there.
-    pub fn each<T>(&self, space: &HexSpace<'_>, of: impl Fn(usize, &crate::limit::Table, usize) -> T) -> Vec<T> {
-        let one = |&(t, q): &(u32, u32)| of(t as usize, self.tables.of(space, t as usize), q as usize);
-        self.sources.iter().map(one).collect()
+    pub fn each<T: Send>(
+        &self,
+        space: &HexSpace<'_>,
+        of: impl Fn(usize, &crate::limit::Table, usize) -> T + Sync,
+    ) -> Vec<T> {
+        let of_cell = |own: &[(u32, u32)]| -> Vec<T> {
+            let t = own[0].0 as usize;
+            let table = self.tables.of(space, t);
+            own.iter().map(|(_, q)| of(t, &table, *q as usize)).collect()
+        };
+        let each: Vec<Vec<T>> = self.sources.par_chunk_by(|a, b| a.0 == b.0).map(of_cell).collect();
+        each.into_iter().flatten().collect()
     }
 
     /// The points' places.

@@ -18,7 +18,7 @@ pub(super) fn on_faces(space: &HexSpace<'_>, group: GroupId, visit: &mut OnFace<
         let (t, k) = space.cell_of_face(face);
         let (weights, table) = rules[k].of(space, t);
         for (q, weight) in weights.iter().enumerate() {
-            let (x, jacobian) = space.frame(t, table, q);
+            let (x, jacobian) = space.frame(t, &table, q);
             functions.clear();
             functions.extend(space.cell(t).iter().copied().zip(table.values_at(q).iter().copied()));
             visit(&functions, x, *weight * face_area(k, &jacobian))?;
@@ -46,7 +46,7 @@ impl Integrals for HexSpace<'_> {
         for t in 0..self.mesh.cells().len() {
             let (weights, table) = quadrature.of(self, t);
             for (q, weight) in weights.iter().enumerate() {
-                let (x, jacobian) = self.frame(t, table, q);
+                let (x, jacobian) = self.frame(t, &table, q);
                 functions.clear();
                 functions.extend(self.cell(t).iter().copied().zip(table.values_at(q).iter().copied()));
                 visit(t, &functions, x, weight * jacobian.determinant())?;

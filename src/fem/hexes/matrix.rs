@@ -22,37 +22,61 @@ const BATCH: usize = 256;
 /// # Errors
 /// [`FemError::Folded`] where a Jacobian is not positive.
 pub(super) fn stiffness(space: &HexSpace<'_>, materials: &[Material]) -> Result<BlockMatrix, FemError> {
-    let quadrature = Quadrature::new(space, space.gauss_points());
-    let element = |t: usize| {
-        let (weights, table) = quadrature.of(space, t);
-        let (mut at, n) = (AtPoint::default(), table.functions);
-        // Column q holds the weighted gradients of all functions at point q.
-        let mut gradients = Mat::<f64>::zeros(3 * n, weights.len());
-        for (q, weight) in weights.iter().enumerate() {
-            space.at_point(t, table, q, &mut at);
-            if at.determinant.is_nan() || at.determinant <= 0.0 {
-                return Err(FemError::Folded { cell: t, at: at.x, determinant: at.determinant });
-            }
-            let scale = (weight * at.determinant).sqrt();
-            let column = at.gradients.iter().flat_map(|g| (scale * *g).to_array());
-            gradients.col_mut(q).iter_mut().zip(column).for_each(|(entry, g)| *entry = g);
+    let quadrature = Quadrature::of_stiffness(space, 0, 0);
+    gather(space, |t| Ok(of_cell(space, &quadrature, materials, t)?.blocks))
+}
+
+/// The stiffness of a cell as dense blocks.
+pub(super) struct CellMatrix {
+    pub functions: usize,
+    /// Row by row.
+    pub blocks: Vec<DMat3>,
+}
+
+impl CellMatrix {
+    /// The block of two functions of the cell.
+    pub fn block(&self, i: usize, j: usize) -> &DMat3 {
+        &self.blocks[i * self.functions + j]
+    }
+}
+
+/// The stiffness of cell `t`.
+///
+/// # Errors
+/// [`FemError::Folded`].
+pub(super) fn of_cell(
+    space: &HexSpace<'_>,
+    quadrature: &Quadrature,
+    materials: &[Material],
+    t: usize,
+) -> Result<CellMatrix, FemError> {
+    let (weights, table) = quadrature.of(space, t);
+    let (mut at, n) = (AtPoint::default(), table.functions);
+    // Column q holds the weighted gradients of all functions at point q.
+    let mut gradients = Mat::<f64>::zeros(3 * n, weights.len());
+    for (q, weight) in weights.iter().enumerate() {
+        space.at_point(t, &table, q, &mut at);
+        if at.determinant.is_nan() || at.determinant <= 0.0 {
+            return Err(FemError::Folded { cell: t, at: at.x, determinant: at.determinant });
         }
-        let mut products = Mat::<f64>::zeros(3 * n, 3 * n);
-        triangular::matmul(
-            products.as_mut(),
-            BlockStructure::TriangularLower,
-            Accum::Replace,
-            gradients.as_ref(),
-            BlockStructure::Rectangular,
-            gradients.transpose(),
-            BlockStructure::Rectangular,
-            1.0,
-            Par::Seq,
-        );
-        let material = &materials[space.mesh().regions()[t].0 as usize];
-        Ok(blocks(&products, n, material))
-    };
-    gather(space, element)
+        let scale = (weight * at.determinant).sqrt();
+        let column = at.gradients.iter().flat_map(|g| (scale * *g).to_array());
+        gradients.col_mut(q).iter_mut().zip(column).for_each(|(entry, g)| *entry = g);
+    }
+    let mut products = Mat::<f64>::zeros(3 * n, 3 * n);
+    triangular::matmul(
+        products.as_mut(),
+        BlockStructure::TriangularLower,
+        Accum::Replace,
+        gradients.as_ref(),
+        BlockStructure::Rectangular,
+        gradients.transpose(),
+        BlockStructure::Rectangular,
+        1.0,
+        Par::Seq,
+    );
+    let material = &materials[space.mesh().regions()[t].0 as usize];
+    Ok(CellMatrix { functions: n, blocks: blocks(&products, n, material) })
 }
 
 /// The blocks of a cell, row by row, from the lower part of the integrals of products of gradients.

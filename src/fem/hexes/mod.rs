@@ -9,10 +9,13 @@ mod lagrange;
 mod lattice;
 mod loads;
 mod matrix;
+mod nitsche;
+mod patches;
 mod places;
 mod quantity;
 mod recovery;
 mod rule;
+mod shared;
 mod stress;
 mod supports;
 mod system;
@@ -26,15 +29,18 @@ pub use quantity::HexState;
 pub use recovery::RecoveredStress;
 pub use rule::Rule;
 pub use stress::{HexSolution, recover_hexes};
-pub use supports::{check_hex_constraints, prescribed_on_hexes};
+pub use supports::{check_hex_constraints, common_edges, prescribed_on_hexes};
 pub use system::assemble_hexes;
 
+use super::SymTensor;
 use super::options::{HexElement, HexOptions};
-use crate::limit::{Basis, Table};
+use crate::limit::{Basis, Part, Table};
 use crate::mesh::hex::HexMesh;
 use glam::{DMat3, DVec3};
 use lagrange::Lagrange;
 use rayon::prelude::*;
+use shared::Shared;
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// A mesh with the functions of its elements.
@@ -55,7 +61,10 @@ enum Functions {
 
 /// The functions of all cells at the same points of their unit cubes.
 #[derive(Debug)]
-pub struct Tables(Vec<Table>);
+pub struct Tables {
+    points: Vec<DVec3>,
+    tables: Shared<Table>,
+}
 
 /// The functions of a cell at one point, with their physical derivatives.
 #[derive(Debug, Clone, Default)]
@@ -124,6 +133,20 @@ impl<'m> HexSpace<'m> {
         places
     }
 
+    /// How many vertices of the boundary have no bubble, and how many there are.
+    #[must_use]
+    pub fn without_bubbles(&self) -> (usize, usize) {
+        let mut vertices: Vec<u32> = self.mesh.faces().iter().flat_map(|f| f.vertices).collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let mut own: Vec<u32> = match &self.functions {
+            Functions::Lagrange(_) => Vec::new(),
+            Functions::Limit(basis) => basis.bubbles().iter().map(|b| b.vertex).collect(),
+        };
+        own.dedup();
+        (vertices.len().saturating_sub(own.len()), vertices.len())
+    }
+
     /// Number of functions with a coefficient of the position: all but bubbles, which come last.
     #[must_use]
     pub fn placed(&self) -> usize {
@@ -169,13 +192,45 @@ impl<'m> HexSpace<'m> {
         }
     }
 
-    /// The functions of all classes at points of the unit cube.
-    #[must_use]
-    pub fn tables(&self, points: &[DVec3]) -> Tables {
+    /// Whether several cells are of a class.
+    pub(super) fn is_shared(&self, class: usize) -> bool {
         match &self.functions {
-            Functions::Lagrange(lagrange) => Tables(vec![lagrange.table(points)]),
-            Functions::Limit(basis) => Tables(basis.tabulate(points)),
+            Functions::Lagrange(_) => true,
+            Functions::Limit(basis) => basis.is_shared(class),
         }
+    }
+
+    /// The parts of the unit cube, halved `depth` times at most, in which the functions of a class are polynomials or which are
+    /// too small to be halved again.
+    pub(super) fn parts(&self, class: usize, depth: u32) -> Vec<Part> {
+        match &self.functions {
+            Functions::Lagrange(_) => vec![(DVec3::ZERO, 1.0)],
+            Functions::Limit(basis) => basis.parts(class, depth),
+        }
+    }
+
+    /// The functions of all cells at points of the unit cube.
+    #[must_use]
+    pub fn tables(&self, points: Vec<DVec3>) -> Tables {
+        Tables { points, tables: Shared::new(self) }
+    }
+
+    /// The functions of a class as others that do not depend on each other, see [`Basis::lifted`].
+    pub(super) fn lifted(&self, class: usize, functions: usize) -> Vec<Option<Vec<(usize, f64)>>> {
+        match &self.functions {
+            Functions::Lagrange(_) => (0..functions).map(|v| Some(vec![(v, 1.0)])).collect(),
+            Functions::Limit(basis) => basis.lifted(class),
+        }
+    }
+
+    /// The coefficients of a field of tensors given by those of [`HexSpace::lifted`] functions.
+    pub(super) fn lowered(&self, lifted: Vec<SymTensor>) -> Vec<SymTensor> {
+        let Functions::Limit(basis) = &self.functions else { return lifted };
+        basis.lowered(&lifted, |terms| {
+            let mut sum = [0.0; 6];
+            terms.for_each(|(term, scale)| sum.iter_mut().zip(term).for_each(|(sum, x)| *sum += scale * x));
+            sum
+        })
     }
 
     /// The functions of one class at points of the unit cube.
@@ -193,10 +248,11 @@ impl<'m> HexSpace<'m> {
         self.options
     }
 
-    /// Gauss points a direction of the stiffness: those asked for, else what suits the element.
+    /// Gauss points a direction of the stiffness of a class: those asked for, else what suits the element, and one more where it
+    /// is no polynomial.
     #[must_use]
-    pub fn gauss_points(&self) -> usize {
-        self.options.points.unwrap_or(self.degree() + 1)
+    pub fn gauss_points(&self, class: usize) -> usize {
+        self.options.points.unwrap_or(self.degree() + 1 + usize::from(!self.is_regular(class)))
     }
 
     /// Degree of the functions in each coordinate, where they are polynomials.
@@ -261,8 +317,15 @@ impl<'m> HexSpace<'m> {
 impl Tables {
     /// The table of cell `t`.
     #[must_use]
-    pub fn of(&self, space: &HexSpace<'_>, t: usize) -> &Table {
-        &self.0[space.class(t)]
+    pub fn of(&self, space: &HexSpace<'_>, t: usize) -> Cow<'_, Table> {
+        let class = space.class(t);
+        self.tables.of(space, class, || space.table(class, &self.points))
+    }
+
+    /// The points.
+    #[must_use]
+    pub fn points(&self) -> &[DVec3] {
+        &self.points
     }
 }
 

@@ -42,10 +42,10 @@ impl<'a, 'm> HexLocator<'a, 'm> {
         let samples: Vec<DVec3> = (0..SAMPLES.pow(3))
             .map(|i| DVec3::new(line(i % SAMPLES), line(i / SAMPLES % SAMPLES), line(i / SAMPLES / SAMPLES)))
             .collect();
-        let tables = space.tables(&samples);
+        let tables = space.tables(samples.clone());
         let points = space.of_cells(|t| {
             let table = tables.of(space, t);
-            (0..samples.len()).map(|q| space.frame(t, table, q).0).collect::<Vec<_>>()
+            (0..samples.len()).map(|q| space.frame(t, &table, q).0).collect::<Vec<_>>()
         });
         let around = |points: &Vec<DVec3>| {
             let lo = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);

@@ -90,11 +90,11 @@ impl HexState<'_> {
     /// Visits the Gauss points of a group's faces: cell, its face, table, point, weight.
     fn on_faces(&self, group: crate::mesh::GroupId, mut visit: impl FnMut(usize, usize, &Table, usize, f64)) {
         let rules: [Rule; 6] = std::array::from_fn(|k| Rule::face(k, POINTS));
-        let tables: [super::Tables; 6] = std::array::from_fn(|k| self.space.tables(&rules[k].points));
+        let tables: [super::Tables; 6] = std::array::from_fn(|k| self.space.tables(rules[k].points.clone()));
         for face in self.space.mesh().group_faces(group) {
             let (t, k) = self.space.cell_of_face(face);
             let table = tables[k].of(self.space, t);
-            rules[k].weights.iter().enumerate().for_each(|(q, w)| visit(t, k, table, q, *w));
+            rules[k].weights.iter().enumerate().for_each(|(q, w)| visit(t, k, &table, q, *w));
         }
     }
 
@@ -105,7 +105,7 @@ impl HexState<'_> {
                 return 0.0;
             }
             let (weights, table) = quadrature.of(self.space, t);
-            let point = |(q, w): (usize, &f64)| w * self.space.frame(t, table, q).1.determinant() * of(t, table, q);
+            let point = |(q, w): (usize, &f64)| w * self.space.frame(t, &table, q).1.determinant() * of(t, &table, q);
             weights.iter().enumerate().map(point).sum::<f64>()
         });
         sums.iter().sum()
@@ -117,11 +117,11 @@ impl HexState<'_> {
         let lattice: Vec<DVec3> = (0..POINTS.pow(3))
             .map(|i| DVec3::new(side(i % POINTS), side(i / POINTS % POINTS), side(i / POINTS / POINTS)))
             .collect();
-        let tables = self.space.tables(&lattice);
+        let tables = self.space.tables(lattice);
         let of = |t: usize, wanted: &dyn Fn(DVec3) -> bool| {
             let table = tables.of(self.space, t);
-            let points = (0..lattice.len()).filter(|q| wanted(lattice[*q]));
-            points.map(|q| self.at(field, t, table, q)).fold(f64::NEG_INFINITY, f64::max)
+            let points = (0..tables.points().len()).filter(|q| wanted(tables.points()[*q]));
+            points.map(|q| self.at(field, t, &table, q)).fold(f64::NEG_INFINITY, f64::max)
         };
         match extent {
             Extent::Cells(cells) => {

@@ -1,9 +1,11 @@
 //! Gauss-Legendre quadrature on the unit interval, square and cube.
 
 use super::HexSpace;
-use crate::limit::Table;
+use super::shared::Shared;
+use crate::limit::{Part, Table};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// Points of the unit cube with weights of sum one.
 #[derive(Debug, Clone, Default)]
@@ -31,37 +33,23 @@ impl Rule {
         rule
     }
 
-    /// The rule on each of the `8^times` parts of the halved cube.
+    /// The rule on each of these parts of the cube.
     #[must_use]
-    pub fn split(self, times: u32) -> Self {
-        if times == 0 {
-            return self;
-        }
-        let finer = self.split(times - 1);
+    pub fn in_parts(&self, parts: &[Part]) -> Self {
         let mut rule = Self::default();
-        for child in 0..8 {
-            let corner = DVec3::from_array([0, 1, 2].map(|axis| f64::from(child >> axis & 1)));
-            rule.points.extend(finer.points.iter().map(|p| 0.5 * (*p + corner)));
-            rule.weights.extend(finer.weights.iter().map(|w| w / 8.0));
+        for &(corner, size) in parts {
+            rule.points.extend(self.points.iter().map(|p| corner + size * *p));
+            rule.weights.extend(self.weights.iter().map(|w| w * size.powi(3)));
         }
         rule
     }
 
-    /// The rule of a face on each of the `4^times` parts of the halved face.
-    fn split_face(self, k: usize, times: u32) -> Self {
-        if times == 0 {
-            return self;
-        }
-        let finer = self.split_face(k, times - 1);
-        let (mut rule, axis) = (Self::default(), k / 2);
-        for child in 0..4 {
-            let mut corner = DVec3::ZERO;
-            // Across the face points stay where they are: (s + s) / 2.
-            corner[axis] = (k % 2) as f64;
-            corner[(axis + 1) % 3] = f64::from(child & 1);
-            corner[(axis + 2) % 3] = f64::from(child >> 1);
-            rule.points.extend(finer.points.iter().map(|p| 0.5 * (*p + corner)));
-            rule.weights.extend(finer.weights.iter().map(|w| w / 4.0));
+    /// The rule of face `k` on each of the parts that lie at it.
+    fn in_parts_of_face(&self, k: usize, parts: &[Part]) -> Self {
+        let (mut rule, axis, end) = (Self::default(), k / 2, (k % 2) as f64);
+        for &(corner, size) in parts.iter().filter(|(corner, size)| corner[axis] + end * size == end) {
+            rule.points.extend(self.points.iter().map(|p| corner + size * *p));
+            rule.weights.extend(self.weights.iter().map(|w| w * size.powi(2)));
         }
         rule
     }
@@ -89,41 +77,38 @@ impl Rule {
 #[derive(Debug)]
 pub(super) struct Quadrature {
     rules: Vec<Rule>,
-    tables: Vec<Table>,
+    tables: Shared<Table>,
 }
 
 impl Quadrature {
     /// `n` Gauss points a direction, in parts of cells that are no polynomials.
     pub fn new(space: &HexSpace<'_>, n: usize) -> Self {
-        Self::halved(space, n, 0)
+        Self::of_rules(space, |class| Rule::cube(n).in_parts(&space.parts(class, space.options().splits)))
     }
 
-    /// As before, with parts that are halved so often at least.
-    pub fn halved(space: &HexSpace<'_>, n: usize, least: u32) -> Self {
-        let splits = |class| if space.is_regular(class) { 0 } else { space.options().splits.max(least) };
-        Self::of_rules(space, (0..space.classes()).map(|class| Rule::cube(n).split(splits(class))).collect())
+    /// The points of the stiffness, so many a direction at least, in parts that are halved so often at least.
+    pub fn of_stiffness(space: &HexSpace<'_>, points: usize, splits: u32) -> Self {
+        let depth = space.options().splits.max(splits);
+        let rule = |class| Rule::cube(space.gauss_points(class).max(points)).in_parts(&space.parts(class, depth));
+        Self::of_rules(space, rule)
     }
 
     /// `n` Gauss points a direction on face `k` of the cells, in parts where they are no polynomials.
     pub fn on_face(space: &HexSpace<'_>, k: usize, n: usize) -> Self {
-        let splits = |class| if space.is_regular(class) { 0 } else { space.options().splits };
-        Self::of_rules(space, (0..space.classes()).map(|class| Rule::face(k, n).split_face(k, splits(class))).collect())
+        let depth = space.options().splits;
+        Self::of_rules(space, |class| Rule::face(k, n).in_parts_of_face(k, &space.parts(class, depth)))
     }
 
-    fn of_rules(space: &HexSpace<'_>, rules: Vec<Rule>) -> Self {
-        let tables = rules.par_iter().enumerate().map(|(class, rule)| space.table(class, &rule.points)).collect();
-        Self { rules, tables }
-    }
-
-    /// Something of the weights and the functions of each class.
-    pub fn each_class<T: Send>(&self, of: impl Fn(&[f64], &Table) -> T + Sync) -> Vec<T> {
-        self.rules.par_iter().zip(&self.tables).map(|(rule, table)| of(&rule.weights, table)).collect()
+    fn of_rules(space: &HexSpace<'_>, rule: impl Fn(usize) -> Rule + Sync + Send) -> Self {
+        let rules: Vec<Rule> = (0..space.classes()).into_par_iter().map(rule).collect();
+        Self { rules, tables: Shared::new(space) }
     }
 
     /// The weights and the functions of cell `t`.
-    pub fn of(&self, space: &HexSpace<'_>, t: usize) -> (&[f64], &Table) {
+    pub fn of(&self, space: &HexSpace<'_>, t: usize) -> (&[f64], Cow<'_, Table>) {
         let class = space.class(t);
-        (&self.rules[class].weights, &self.tables[class])
+        let rule = &self.rules[class];
+        (&rule.weights, self.tables.of(space, class, || space.table(class, &rule.points)))
     }
 }
 

@@ -4,7 +4,7 @@ use super::super::assembly::System;
 use super::super::recover::reactions;
 use super::super::{Material, Model, Solved, SolverInfo, SymTensor, tet4};
 use super::rule::Quadrature;
-use super::{AtPoint, HexSpace, loads};
+use super::{AtPoint, HexSpace, loads, nitsche};
 use crate::limit::Table;
 use glam::DVec3;
 
@@ -41,6 +41,9 @@ pub fn recover_hexes(space: &HexSpace<'_>, model: &Model, system: &System, solve
             });
         }
     }
+    if model.supports.iter().any(|s| s.weakly.is_some()) {
+        nitsche::add_reactions(space, model, u, &mut reactions);
+    }
     HexSolution {
         strain_energy: strain_energy(space, model, u),
         compliance: system.loads.iter().zip(u).map(|(f, u)| f.dot(*u)).sum(),
@@ -52,12 +55,12 @@ pub fn recover_hexes(space: &HexSpace<'_>, model: &Model, system: &System, solve
 
 /// By the strains, not as `u.K u / 2`, which has no digits left where the body moves far more than it deforms.
 fn strain_energy(space: &HexSpace<'_>, model: &Model, u: &[DVec3]) -> f64 {
-    let quadrature = Quadrature::new(space, space.gauss_points());
+    let quadrature = Quadrature::of_stiffness(space, 0, 0);
     let energies = space.of_cells(|t| {
         let ((weights, table), material, mut at) =
             (quadrature.of(space, t), material(space, model, t), AtPoint::default());
         let point = |(q, weight): (usize, &f64)| {
-            space.at_point(t, table, q, &mut at);
+            space.at_point(t, &table, q, &mut at);
             let stress = material.stress(strain(space, u, t, &at));
             0.5 * weight * at.determinant * material.compliance_energy(stress)
         };

@@ -6,12 +6,12 @@
 
 use super::super::constraints::check_held;
 use super::super::numbering::{Prescribed, merged};
-use super::super::{FemError, Model, Support, check};
+use super::super::{FemError, Model, Support, Weakly, check};
 use super::matrix::Mass;
 use super::{HexSpace, Rule, Tables, face_area};
 use crate::field::Field;
 use crate::mesh::GroupId;
-use crate::mesh::hex::{EDGES, FACES};
+use crate::mesh::hex::{EDGES, FACES, HexMesh};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
@@ -21,6 +21,11 @@ const NO_TRACE: f64 = 1e-12;
 
 /// Relative deviation of a prescribed displacement from the field below which no projection is needed.
 const EXACT: f64 = 1e-11;
+
+/// How far, in the projection's own largest error, a coefficient may be from one that is prescribed already, and relative to
+/// the values prescribed.
+const FOLLOWED: f64 = 20.0;
+const SAME: f64 = 1e-6;
 
 /// Gauss points a direction of the projection.
 const POINTS: usize = 5;
@@ -32,7 +37,7 @@ const POINTS: usize = 5;
 pub fn prescribed_on_hexes(space: &HexSpace<'_>, model: &Model) -> Result<Vec<Prescribed>, FemError> {
     let (mut all, mut to_project) = (Vec::new(), Vec::new());
     for (index, support) in (0..).zip(&model.supports) {
-        if support.displacement.iter().all(Option::is_none) {
+        if support.weakly.is_some() || support.displacement.iter().all(Option::is_none) {
             continue;
         }
         let traces = Rc::new(Traces::new(space, support));
@@ -56,6 +61,18 @@ pub fn prescribed_on_hexes(space: &HexSpace<'_>, model: &Model) -> Result<Vec<Pr
         let known: BTreeMap<u32, f64> =
             all.iter().filter(|p| p.component == component).map(|p| (p.node, p.value)).collect();
         let values = traces.projected(&wanted, &known);
+        if let Some((node, [first, second])) = traces.contradiction(&wanted, &known) {
+            let other = all.iter().find(|p| (p.node, p.component) == (node, component)).map_or(support, |p| p.support);
+            let name = |index: u32| model.supports[index as usize].name.clone();
+            return Err(FemError::ConflictingSupports {
+                first: name(other),
+                second: name(support),
+                axis: ["x", "y", "z"][component as usize],
+                values: [first, second],
+                vertex: node as usize,
+                position: space.whereabouts()[node as usize],
+            });
+        }
         all.extend(values.into_iter().map(|(node, value)| Prescribed { node, component, value, support }));
     }
     all.sort_unstable_by_key(|p| (p.node, p.component));
@@ -73,6 +90,7 @@ struct Traces {
 struct Trace {
     cell: usize,
     x: DVec3,
+    normal: DVec3,
     weight: f64,
     /// Functions and their values there.
     values: Vec<(u32, f64)>,
@@ -80,10 +98,10 @@ struct Trace {
 
 impl Traces {
     fn new(space: &HexSpace<'_>, support: &Support) -> Self {
-        let meets = support.meets.map(|other| common_edges(space, support.group, other));
+        let meets = support.meets.map(|other| common_edges(space.mesh(), support.group, other));
         let rules: [Rule; 6] =
             std::array::from_fn(|k| if meets.is_some() { edges_rule(k) } else { Rule::face(k, POINTS) });
-        let tables: [Tables; 6] = std::array::from_fn(|k| space.tables(&rules[k].points));
+        let tables: [Tables; 6] = std::array::from_fn(|k| space.tables(rules[k].points.clone()));
         let mut points = Vec::new();
         for face in space.mesh().group_faces(support.group) {
             let (t, k) = space.cell_of_face(face);
@@ -93,10 +111,17 @@ impl Traces {
                 if edges.is_some_and(|edges| !edges[q / POINTS]) {
                     continue;
                 }
-                let (x, jacobian) = space.frame(t, table, q);
+                let (x, jacobian) = space.frame(t, &table, q);
                 let values = space.cell(t).iter().copied().zip(table.values_at(q).iter().copied());
                 let values = values.filter(|(_, n)| n.abs() > NO_TRACE).collect();
-                points.push(Trace { cell: t, x, weight: weight * face_area(k, &jacobian).length(), values });
+                let area = face_area(k, &jacobian);
+                points.push(Trace {
+                    cell: t,
+                    x,
+                    normal: area.normalize_or_zero(),
+                    weight: weight * area.length(),
+                    values,
+                });
             }
         }
         let mut functions: Vec<u32> = points.iter().flat_map(|p| &p.values).map(|f| f.0).collect();
@@ -149,16 +174,35 @@ impl Traces {
         unknown.map(|(v, x)| (v, x.x)).collect()
     }
 
+    /// A coefficient that is known otherwise than the field itself would have it, with both values. What a smooth function
+    /// cannot follow is no contradiction: its own projection then misses the field as well.
+    fn contradiction(&self, wanted: &[f64], known: &BTreeMap<u32, f64>) -> Option<(u32, [f64; 2])> {
+        if !self.functions.iter().any(|v| known.contains_key(v)) {
+            return None;
+        }
+        let free: BTreeMap<u32, f64> = self.projected(wanted, &BTreeMap::new()).into_iter().collect();
+        let got = |p: &Trace| p.values.iter().map(|(v, n)| n * free.get(v).unwrap_or(&0.0)).sum::<f64>();
+        let misses = self.points.iter().zip(wanted).map(|(p, w)| (got(p) - w).abs()).fold(0.0, f64::max);
+        let size = wanted.iter().map(|w| w.abs()).fold(0.0, f64::max);
+        let differs = |(v, value): (&u32, &f64)| {
+            let own = *free.get(v)?;
+            let most = FOLLOWED * misses + SAME * size.max(value.abs());
+            ((own - value).abs() > most).then_some((*v, [*value, own]))
+        };
+        known.iter().find_map(differs)
+    }
+
     fn place(&self, v: u32) -> usize {
         self.functions.binary_search(&v).unwrap_or(0)
     }
 }
 
 /// The edges where faces of two groups meet.
-fn common_edges(space: &HexSpace<'_>, group: GroupId, other: GroupId) -> BTreeSet<u32> {
-    let topology = space.mesh().topology();
+#[must_use]
+pub fn common_edges(mesh: &HexMesh, group: GroupId, other: GroupId) -> BTreeSet<u32> {
+    let topology = mesh.topology();
     let edges = |group| -> BTreeSet<u32> {
-        let faces = space.mesh().group_faces(group).map(|f| topology.boundary_number(f));
+        let faces = mesh.group_faces(group).map(|f| topology.boundary_number(f));
         faces.flat_map(|f| topology.face_edges()[f as usize]).collect()
     };
     edges(group).intersection(&edges(other)).copied().collect()
@@ -202,9 +246,10 @@ pub fn check_hex_constraints(space: &HexSpace<'_>, model: &Model) -> Result<(), 
     let mut held = Vec::new();
     for (index, support) in model.supports.iter().enumerate() {
         let components = (0..3).filter(|&c| support.displacement[c].is_some() || support.stiffness[c] > 0.0);
-        let components: Vec<usize> = components.collect();
+        let axes: Vec<DVec3> = components.map(|c| DVec3::AXES[c]).collect();
         for p in Traces::new(space, support).points {
-            held.extend(components.iter().map(|&c| (part_of[p.cell], p.x, c, index)));
+            let normal = (support.weakly == Some(Weakly::Normal)).then_some(p.normal);
+            held.extend(axes.iter().copied().chain(normal).map(|d| (part_of[p.cell], p.x, d, index)));
         }
     }
     check_held(space.mesh().points(), space.mesh().cells(), (&part_of, count), &held)

@@ -5,7 +5,7 @@ use super::super::block_matrix::BlockMatrix;
 use super::super::numbering::Dofs;
 use super::super::options::{HexElement, HexOptions};
 use super::super::{FemError, Model, check, loads};
-use super::{HexSpace, matrix, prescribed_on_hexes};
+use super::{HexSpace, matrix, nitsche, prescribed_on_hexes};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
@@ -19,14 +19,14 @@ pub fn assemble_hexes(space: &HexSpace<'_>, model: &Model) -> Result<System, Fem
     let mut used = vec![false; space.points().len()];
     (0..space.mesh().cells().len()).flat_map(|t| space.cell(t)).for_each(|&v| used[v as usize] = true);
     let numbering = Dofs::from_used(used, prescribed);
-    let loads = loads::nodal_forces(space, model)?;
-    let stiffness = with_foundations(space, model)?;
+    let mut loads = loads::nodal_forces(space, model)?;
+    let stiffness = with_supports(space, model, Some(&mut loads))?;
     let linear = linear(space, model, &stiffness)?;
     Ok(System { stiffness, loads, numbering, points: space.whereabouts(), linear })
 }
 
-/// The stiffness of cells and elastic foundations.
-fn with_foundations(space: &HexSpace<'_>, model: &Model) -> Result<BlockMatrix, FemError> {
+/// The stiffness of cells, elastic foundations and supports that hold in the mean, which add to loads as well.
+fn with_supports(space: &HexSpace<'_>, model: &Model, loads: Option<&mut Vec<DVec3>>) -> Result<BlockMatrix, FemError> {
     let mut stiffness = matrix::stiffness(space, &model.materials)?;
     for support in model.supports.iter().filter(|s| s.stiffness != DVec3::ZERO) {
         super::loads::on_faces(space, support.group, &mut |functions, _, area| {
@@ -39,6 +39,9 @@ fn with_foundations(space: &HexSpace<'_>, model: &Model) -> Result<BlockMatrix, 
             }
             Ok(())
         })?;
+    }
+    if model.supports.iter().any(|s| s.weakly.is_some()) {
+        nitsche::add(space, model, &mut stiffness, loads)?;
     }
     Ok(stiffness)
 }
@@ -58,7 +61,7 @@ fn linear(space: &HexSpace<'_>, model: &Model, stiffness: &BlockMatrix) -> Resul
                 ends.extend(topology.faces().iter().map(|f| [f[0], f[2]]));
                 ends.extend(mesh.cells().iter().map(|c| [c[0], c[7]]));
             }
-            Some(Linear { stiffness: with_foundations(&vertices, model)?, ends })
+            Some(Linear { stiffness: with_supports(&vertices, model, None)?, ends })
         }
         HexElement::CatmullClarkPlus => {
             let vertices = mesh.points().len();

@@ -16,7 +16,7 @@ impl HexMesh {
     /// degrees, and those where one of the groups `bounded` ends. All but the last kind are features. Creases and corners
     /// that the mesh has are kept.
     #[must_use]
-    pub fn with_creases(mut self, angle: f64, bounded: &[GroupId]) -> Self {
+    pub fn with_creases(self, angle: f64, bounded: &[GroupId]) -> Self {
         let topology = &self.topology;
         let member = |f: usize, g: &GroupId| self.parts.patches[self.parts.faces[f].patch.0 as usize].contains(g);
         let mut found = Vec::new();
@@ -30,8 +30,14 @@ impl HexMesh {
                 found.push(Crease { vertices, feature });
             }
         }
+        self.and_creases(found)
+    }
+
+    /// The mesh with more creases, edges of the boundary.
+    #[must_use]
+    pub fn and_creases(mut self, more: Vec<Crease>) -> Self {
         let creases = &mut self.parts.creases;
-        creases.append(&mut found);
+        creases.extend(more);
         creases.sort_unstable_by_key(|c| (c.vertices, !c.feature));
         creases.dedup_by_key(|c| c.vertices);
         self

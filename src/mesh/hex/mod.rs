@@ -3,6 +3,7 @@
 //! Corner `c` of a cell lies at `(c & 1, c >> 1 & 1, c >> 2)` of its unit cube. (VTK, Gmsh and Abaqus swap the third and the
 //! fourth corner of each layer; [`from_vtk_order`] and [`to_vtk_order`] translate.)
 
+pub mod curved;
 mod error;
 pub mod features;
 pub mod generate;
@@ -60,6 +61,8 @@ pub struct HexMeshParts {
     pub creases: Vec<Crease>,
     /// Vertices that subdivision never moves; any order.
     pub corners: Vec<u32>,
+    /// The middles of edges, faces and cells, in the order of [`HexTopology`], if cells are curved; else empty.
+    pub middles: Vec<DVec3>,
     /// Names of the regions.
     pub region_names: Vec<String>,
     /// Names of the groups of boundary faces.
@@ -176,6 +179,18 @@ impl HexMesh {
     #[must_use]
     pub fn corners(&self) -> &[u32] {
         &self.parts.corners
+    }
+
+    /// The middles of edges, faces and cells, in the order of [`HexTopology`], if cells are curved; else empty.
+    #[must_use]
+    pub fn middles(&self) -> &[DVec3] {
+        &self.parts.middles
+    }
+
+    /// The mesh with these middles: as many as edges, faces and cells.
+    pub(crate) fn with_middles(mut self, middles: Vec<DVec3>) -> Self {
+        self.parts.middles = middles;
+        self
     }
 
     /// Names of the regions, indexed by [`RegionId`].

@@ -31,7 +31,7 @@ pub fn error_curves(
     source: &str,
     runs: &[(String, Vec<(f64, f64)>)],
 ) -> Result<(), OutputError> {
-    let runs: Vec<Run<'_>> = runs.iter().map(|(name, points)| Run { name, points: logarithms(points) }).collect();
+    let runs: Vec<Run<'_>> = runs.iter().map(|(name, points)| Run { name, points: percent(points) }).collect();
     write_svg(path, (900, 620), |page| draw(page, axis, source, &runs))
 }
 
@@ -41,8 +41,15 @@ pub(super) struct Run<'a> {
     pub points: Vec<(f64, f64)>,
 }
 
+/// Of what was paid and the errors in percent.
+fn percent(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let points: Vec<(f64, f64)> = points.iter().map(|&(paid, error)| (paid, 100.0 * error)).collect();
+    logarithms(&points)
+}
+
+/// Decimal logarithms of points that have them.
 pub(super) fn logarithms(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    let points = points.iter().map(|&(paid, error)| (paid.log10(), (100.0 * error).log10()));
+    let points = points.iter().map(|&(x, y)| (x.log10(), y.log10()));
     points.filter(|(x, y)| x.is_finite() && y.is_finite()).collect()
 }
 
@@ -178,6 +185,6 @@ mod tests {
 
     #[test]
     fn points_without_a_logarithm_are_left_out() {
-        assert_eq!(logarithms(&[(0.0, 0.1), (10.0, 0.0), (f64::NAN, 1.0), (10.0, 0.1)]), [(1.0, 1.0)]);
+        assert_eq!(percent(&[(0.0, 0.1), (10.0, 0.0), (f64::NAN, 1.0), (10.0, 0.1)]), [(1.0, 1.0)]);
     }
 }

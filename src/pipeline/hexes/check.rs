@@ -27,7 +27,7 @@ struct Details {
 /// All that a run would report before it solves.
 pub(in super::super) fn check_hexes(scenario: &Scenario, hexes: Hexes, options: &RunOptions) -> Result<(), Error> {
     let start = Instant::now();
-    let (mesh, notes) = load(scenario)?;
+    let (mesh, notes) = load(scenario, hexes)?;
     let problem = resolve::resolve(scenario, hexes, mesh)?;
     resolve::check_supports(scenario, &problem)?;
     let dofs = 3 * problem.space(&problem.mesh).points().len();

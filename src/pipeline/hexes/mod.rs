@@ -19,6 +19,7 @@ use super::leftovers;
 use super::load::find;
 use super::run::{announce, conclude};
 use crate::error::Error;
+use crate::mesh::hex::curved::{Round, arcs};
 use crate::mesh::hex::read::read;
 use crate::mesh::hex::{HexMesh, generate};
 use crate::output::atomic::ensure_writable_dir;
@@ -46,24 +47,40 @@ pub(super) fn execute(scenario: &Scenario, hexes: Hexes, options: &RunOptions) -
 
 /// Reads the mesh, resolves the scenario on it and checks that the supports hold it, before anything is written.
 fn prepare(scenario: &Scenario, hexes: Hexes, options: &RunOptions) -> Result<ResolvedHexes, Error> {
-    let (mesh, notes) = load(scenario)?;
+    let (mesh, notes) = load(scenario, hexes)?;
     let problem = resolve(scenario, hexes, mesh)?;
     resolve::check_supports(scenario, &problem)?;
     announce(scenario, options, &notes, &problem.warnings)?;
     Ok(problem)
 }
 
+/// What a generated body is round about.
+fn round(shape: &Shape) -> Option<Round> {
+    match *shape {
+        // Inside, an O-grid is not round.
+        Shape::Cylinder { radius, .. } => Some(Round::Axis(Some(radius))),
+        Shape::Tube { .. } => Some(Round::Axis(None)),
+        Shape::SphereShell { .. } => Some(Round::Origin),
+        _ => None,
+    }
+}
+
 /// Reads or generates the mesh of a scenario, and what a user should know of it.
-fn load(scenario: &Scenario) -> Result<(HexMesh, Vec<String>), Error> {
+fn load(scenario: &Scenario, hexes: Hexes) -> Result<(HexMesh, Vec<String>), Error> {
+    let (mut midsides, mut notes) = (Vec::new(), Vec::new());
     let mesh = match &scenario.mesh {
         MeshSource::Box { size, cells } => generate::box_hexes(*size, *cells)?,
         MeshSource::File(file) => {
             let file = read(&find(file, &scenario.directory)?)?;
-            let mut notes = file.notes;
-            if !file.midsides.is_empty() {
-                notes.push(format!("{} edges are curved; hexahedra have straight edges here", file.midsides.len()));
+            notes = file.notes;
+            if !file.midsides.is_empty() && !hexes.curved {
+                notes.push(format!(
+                    "{} edges of the mesh are curved: these elements take corners only",
+                    file.midsides.len()
+                ));
             }
-            return Ok((file.mesh, notes));
+            midsides = file.midsides;
+            file.mesh
         }
         MeshSource::Shape(shape) => match *shape {
             Shape::Cylinder { radius, length, cells: [rings, layers] } => {
@@ -75,5 +92,8 @@ fn load(scenario: &Scenario) -> Result<(HexMesh, Vec<String>), Error> {
             other => return Err(Error::NotHexahedra { body: other.key() }),
         },
     };
-    Ok((mesh, Vec::new()))
+    if let (MeshSource::Shape(shape), true) = (&scenario.mesh, hexes.curved) {
+        midsides = round(shape).map(|round| arcs(&mesh, round)).unwrap_or_default();
+    }
+    Ok((if hexes.curved { mesh.with_midsides(&midsides) } else { mesh }, notes))
 }

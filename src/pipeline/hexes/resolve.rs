@@ -3,13 +3,14 @@
 use super::super::resolve::{Body, Found, Targets, find, with_place};
 use super::super::{ModelError, loading, select};
 use crate::error::Error;
-use crate::fem::hexes::{HexSpace, check_hex_constraints, prescribed_on_hexes};
+use crate::fem::hexes::{HexLocator, HexSpace, check_hex_constraints, common_edges, prescribed_on_hexes};
+use crate::fem::options::{HexElement, HexOptions};
 use crate::fem::{self, Model};
 use crate::mesh::hex::{HexMesh, HexMeshParts};
 use crate::mesh::topology::sorted2;
 use crate::mesh::{Crease, GroupId};
 use crate::output::report::Selection;
-use crate::scenario::{Hexes, Scenario};
+use crate::scenario::{Hexes, MeshSource, Scenario};
 use crate::subdiv::catmull_clark;
 use glam::DVec3;
 
@@ -39,12 +40,17 @@ impl ResolvedHexes {
     }
 }
 
+/// How far beside the trilinear cells places may lie, in diagonals of a cell.
+const PLAY: f64 = 0.05;
+
 /// A body of hexahedra.
 #[derive(Clone)]
 struct Bricks(HexMesh);
 
 impl Body for Bricks {
     type Mesh = HexMesh;
+
+    const HOLDS_WEAKLY: bool = true;
 
     fn mesh(&self) -> &HexMesh {
         &self.0
@@ -58,10 +64,18 @@ impl Body for Bricks {
         select::area(&self.0, faces.iter().copied())
     }
 
-    /// By the bounding box: what the body is between control points only its functions tell.
+    /// By the trilinear cells, and with some of their size as play: what the body is between vertices only its functions tell.
     fn nearest(&self, places: &[DVec3]) -> Vec<(f64, DVec3)> {
-        let (lo, hi) = self.0.bounding_box();
-        places.iter().map(|x| x.clamp(lo, hi)).zip(places).map(|(near, x)| (near.distance(*x), near)).collect()
+        let space = HexSpace::new(&self.0, HexElement::Hex8, HexOptions::default());
+        let locator = HexLocator::new(&space);
+        let nearest = |x: &DVec3| {
+            let found = locator.nearest(*x);
+            let corners = self.0.cell_points(found.cell);
+            let play = PLAY * corners[0].distance(corners[7]);
+            let near = space.frame(found.cell, &space.table(0, &[found.at]), 0).0;
+            ((found.distance - play).max(0.0), if found.distance <= play { *x } else { near })
+        };
+        places.iter().map(nearest).collect()
     }
 
     fn outside(&self, place: DVec3) -> f64 {
@@ -108,6 +122,22 @@ fn warnings(scenario: &Scenario, problem: &ResolvedHexes) -> Result<Vec<String>,
         warnings.extend(loading::warnings(&space, &problem.model, &prescribed).map_err(with_place)?);
     }
     warnings.extend(loading::idle_supports(&problem.model, &prescribed));
+    let mesh = &problem.mesh;
+    if problem.hexes.element.is_smooth() && mesh.regions().windows(2).any(|w| w[0] != w[1]) {
+        warnings.push(
+            "the mesh has several regions: Catmull-Clark functions are smooth across interfaces, where stress and strain jump, and \
+             interfaces move to the limit; trust quantities there only if refinement leaves them alone, or choose \
+             analysis.element = \"hex27\""
+                .to_owned(),
+        );
+    }
+    let (without, all) = space.without_bubbles();
+    if problem.hexes.element == HexElement::CatmullClarkPlus && without > 0 {
+        warnings.push(format!(
+            "{without} of {all} boundary vertices have no bubbles, since three cells or more meet at an edge of the boundary near them: \
+             there \"catmull-clark+\" is no better than \"catmull-clark\""
+        ));
+    }
     if scenario.adapt.goal.is_some() {
         warnings.push("adapt.goal is for tetrahedra: on hexahedra its error is not estimated".to_owned());
     }
@@ -123,12 +153,34 @@ pub(super) fn check_supports(scenario: &Scenario, problem: &ResolvedHexes) -> Re
     check_hex_constraints(&space, &problem.model).map_err(|error| with_place(scenario, error))
 }
 
+/// Where faces of two groups meet, as creases.
+fn lines_between(mesh: &HexMesh, group: GroupId, other: GroupId) -> Vec<Crease> {
+    let edges = common_edges(mesh, group, other);
+    edges.into_iter().map(|e| Crease { vertices: mesh.topology().edges()[e as usize], feature: false }).collect()
+}
+
 /// The mesh with its creases and corners: where a support's faces end there is a crease, so that what it prescribes ends too.
 fn with_features(scenario: &Scenario, model: &Model, mesh: HexMesh) -> Result<HexMesh, Error> {
     let tagged = &scenario.features;
-    let is_held = |s: &&fem::Support| s.meets.is_none() && s.displacement.iter().any(Option::is_some);
-    let bounded: Vec<GroupId> = model.supports.iter().filter(is_held).map(|s| s.group).collect();
-    let mesh = mesh.with_creases(tagged.angle, &bounded);
+    let is_held =
+        |s: &&fem::Support| s.meets.is_none() && s.weakly.is_none() && s.displacement.iter().any(Option::is_some);
+    let mut bounded: Vec<GroupId> = model.supports.iter().filter(is_held).map(|s| s.group).collect();
+    let is_round = matches!(&scenario.mesh, MeshSource::Shape(shape) if shape.is_curved());
+    // The sides of a round body are smooth however few cells go around it.
+    let angle = match tagged.angle {
+        None if is_round => {
+            bounded.extend((0..mesh.groups().len() as u32).map(GroupId));
+            180.0
+        }
+        _ => tagged.sharp_angle(),
+    };
+    let mut mesh = mesh.with_creases(angle, &bounded);
+    // On a crease a line's displacement depends on its own control points only.
+    let lines = model.supports.iter().filter_map(|s| Some((s.group, s.meets?)));
+    let lines: Vec<Crease> = lines.flat_map(|(group, other)| lines_between(&mesh, group, other)).collect();
+    if !lines.is_empty() {
+        mesh = mesh.and_creases(lines);
+    }
     if tagged.edges.is_empty() && tagged.corners.is_empty() {
         return Ok(mesh);
     }

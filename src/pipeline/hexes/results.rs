@@ -68,10 +68,11 @@ impl<'a> HexResults<'a> {
         let lattice = Lattice::new(space, space.degree());
         let displacement = lattice.values(space, &solution.displacement);
         let stress = lattice.each(space, |t, table, q| step.analysed.recovered.at(space, t, table, q));
-        let middle = space.tables(&[DVec3::splat(0.5)]);
+        let at_points: Vec<f64> = stress.iter().map(|&s| fem::von_mises(s)).collect();
+        let middle = space.tables(vec![DVec3::splat(0.5)]);
         let cells = 0..space.mesh().cells().len();
         let stresses: Vec<_> =
-            cells.map(|t| solution.stress(space, &self.problem.model, t, middle.of(space, t), 0)).collect();
+            cells.map(|t| solution.stress(space, &self.problem.model, t, &middle.of(space, t), 0)).collect();
         let von_mises: Vec<f64> = stresses.iter().map(|&s| fem::von_mises(s)).collect();
         let output = &self.folder.scenario.output;
         let fields = Fields {
@@ -80,6 +81,7 @@ impl<'a> HexResults<'a> {
             points: self.folder.chosen(vec![
                 (FieldName::Displacement, "displacement", Values::Vectors(&displacement)),
                 (FieldName::Stress, "stress", Values::Tensors(&stress)),
+                (FieldName::VonMises, "von_mises", Values::Scalars(&at_points)),
             ]),
             cells: self.folder.chosen(vec![
                 (FieldName::VonMises, "von_mises", Values::Scalars(&von_mises)),
@@ -89,7 +91,7 @@ impl<'a> HexResults<'a> {
         };
         let name = step_file(step.index);
         let level = u8::try_from(step.index).unwrap_or(u8::MAX);
-        write_hexes(&self.folder.path(&name), space, &lattice, &fields, (level, output.compression))?;
+        write_hexes(&self.folder.path(&name), space, &lattice, &fields, (level, output.hexahedra, output.compression))?;
         self.folder.add(fields.time, name)
     }
 

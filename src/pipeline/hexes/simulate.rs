@@ -1,6 +1,7 @@
 //! The loop on hexahedra: solve, estimate, record, stop?, refine all cells.
 
 use super::super::MemoryProbe;
+use super::super::forecast::{self, free_bytes};
 use super::super::quantities::expectations;
 use super::super::simulate::{ROUNDING, timed};
 use super::super::tolerance;
@@ -17,7 +18,7 @@ use glam::DVec3;
 use std::time::Instant;
 
 /// How often more cells, and with them memory, the next step has.
-const GROWTH: usize = 8;
+const GROWTH: f64 = 8.0;
 
 /// A mesh with its solution, for whoever writes files of it.
 pub(super) struct Step<'a> {
@@ -108,6 +109,11 @@ fn carried_over(problem: &ResolvedHexes, analysed: &Analysed<'_>, refined: &Refi
     })
 }
 
+/// What the next step needs at its peak.
+fn next_bytes(peak: usize, analysed: &Analysed<'_>) -> f64 {
+    forecast::next_bytes(peak, GROWTH, analysed.solution.info.method)
+}
+
 /// The stop rule that is met.
 fn reason_to_stop(
     scenario: &Scenario,
@@ -126,7 +132,10 @@ fn reason_to_stop(
         Some(StopReason::MaxCells)
     } else if stop.seconds.is_some_and(|most| start.elapsed().as_secs_f64() >= most) {
         Some(StopReason::Seconds)
-    } else if stop.max_memory.is_some_and(|most| peak.saturating_mul(GROWTH) as u64 > most) {
+    } else if stop.max_memory.is_some_and(|most| next_bytes(peak, analysed) > most as f64)
+        || free_bytes().is_some_and(|free| next_bytes(peak, analysed) > free as f64 + peak as f64)
+    {
+        // What is not there cannot be used; without a word the system would end the run.
         Some(StopReason::MaxMemory)
     } else {
         None

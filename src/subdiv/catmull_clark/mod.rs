@@ -15,6 +15,7 @@ pub use split::{Split, child_lattice};
 pub use stencils::Stencils;
 
 use super::options::CatmullClark;
+use crate::mesh::hex::curved::split_middles;
 use crate::mesh::hex::{HexError, HexMesh, HexMeshParts};
 use glam::DVec3;
 
@@ -40,13 +41,19 @@ pub fn refine(mesh: &HexMesh, variant: CatmullClark) -> Result<RefinedSolid, Hex
 }
 
 /// One step of plain splitting: each cell into eight at the middles of its edges, faces and of itself, in which trilinear
-/// cells lie exactly. Regions, groups, creases and corners follow.
+/// cells lie exactly, and curved ones too. Regions, groups, creases and corners follow. (The stencils are those of straight cells.)
 ///
 /// # Errors
 /// None on a valid mesh.
 pub fn split_linearly(mesh: &HexMesh) -> Result<RefinedSolid, HexError> {
     let stencils = Control::of(mesh).linear_stencils();
-    Ok(RefinedSolid { mesh: finer(mesh, stencils.apply(mesh.points()))?, stencils })
+    if mesh.middles().is_empty() {
+        return Ok(RefinedSolid { mesh: finer(mesh, stencils.apply(mesh.points()))?, stencils });
+    }
+    // New vertices are numbered as the middles are.
+    let straight = finer(mesh, [mesh.points(), mesh.middles()].concat())?;
+    let middles = split_middles(mesh, straight.cells(), straight.topology());
+    Ok(RefinedSolid { mesh: straight.with_middles(middles), stencils })
 }
 
 /// The mesh split once, with these points.
@@ -61,6 +68,7 @@ fn finer(mesh: &HexMesh, points: Vec<DVec3>) -> Result<HexMesh, HexError> {
         faces,
         creases,
         corners: mesh.corners().to_vec(),
+        middles: Vec::new(),
         region_names: mesh.region_names().to_vec(),
         groups: mesh.groups().to_vec(),
         patches: mesh.patch_groups().to_vec(),

@@ -53,6 +53,7 @@ pub fn from_tets(mesh: &TetMesh) -> Result<HexMesh, HexError> {
         faces: mesh.faces().iter().flat_map(quads).collect(),
         creases: mesh.creases().iter().flat_map(halves).collect(),
         corners: mesh.corners().to_vec(),
+        middles: Vec::new(),
         region_names: mesh.region_names().to_vec(),
         groups: mesh.groups().to_vec(),
         patches: mesh.patch_groups().to_vec(),
