@@ -16,8 +16,10 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "tet-oct.md"
 MESHES = {"cantilever": ["[6, 1, 1]", "[12, 2, 1]", "[24, 4, 2]", "[48, 8, 4]"], "cube": ["[2, 2, 2]", "[4, 4, 4]", "[8, 8, 8]", "[16, 16, 16]"]}
+# One finer for plain four-node cells, so that there is something to compare with.
+FINEST = {"cantilever": "[96, 16, 8]", "cube": "[32, 32, 32]"}
 KINDS = [("tet4", None), ("control", 1), ("control", 2), ("control", 3), ("nodes", 1)]
-PLAIN = ["analysis.element=\"tet4\"", "refine={}", "adapt={}"]
+PLAIN = ["analysis.element=\"tet4\"", "refine={ strategy = \"none\" }", "adapt={}"]
 SCENARIO = {"cantilever": "cantilever", "cube": "verification/cube-tet4-1"}
 
 
@@ -52,8 +54,9 @@ def unknowns_for(points, error):
 def measure(program, scenario, error_of):
     curves = {}
     for kind, k in KINDS:
-        for cells in MESHES[scenario]:
-            if (k == 3 or kind == "nodes") and cells == MESHES[scenario][-1]:
+        for cells in MESHES[scenario] + ([FINEST[scenario]] if k is None else []):
+            is_large = k == 3 or kind == "nodes" or (k == 2 and scenario == "cube")
+            if is_large and cells == MESHES[scenario][-1]:
                 continue
             step = steps(program, scenario, settings(kind, k, cells))[-1]
             found = step["free_dofs"], error_of(step), step["solver"]["nonzeros"], step["seconds"]["total"]

@@ -177,7 +177,7 @@ fn scenarios_that_cannot_be_done_are_refused_with_their_reason() {
 #[test]
 fn the_example_of_the_page_is_a_scenario() {
     let page = std::fs::read_to_string(root().join("docs/deformation.md")).unwrap();
-    let example = page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    let example = page.split("``` toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
     let scenario = Deformation::from_text(example, Path::new("vase.toml"), &["embed.steps=2".to_owned()]).unwrap();
     assert_eq!((scenario.poses.len(), scenario.poses[0].moves.len(), scenario.steps, scenario.frames), (1, 4, 2, 10));
 }

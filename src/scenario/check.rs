@@ -114,7 +114,7 @@ fn elements(raw: Option<RawAnalysis>, body: &MeshSource) -> Checked<(Element, Op
 
 /// What the error estimate sees of smooth functions.
 const SMOOTH_ERRORS: &str = "errors are estimated from the jumps of the stress between the cells of the subdivided mesh, which smooth functions \
-                             hardly have: with analysis.smooth.basis = \"control\" they may be far too small";
+                             hardly have: with analysis.smooth.basis = \"control\" they are mostly too small";
 
 /// `analysis.smooth`.
 fn smooth(raw: Option<Table<RawSmooth>>, analysis: Option<&RawAnalysis>) -> Checked<Option<Smooth>> {
