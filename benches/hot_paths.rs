@@ -11,10 +11,11 @@ use subsolid::fem::options::{Element, HexElement, HexOptions, Method, SolverOpti
 use subsolid::fem::{self, Load, LoadKind, Material, Model, Support};
 use subsolid::limit::Basis;
 use subsolid::mesh::hex::{self, HexMesh};
+use subsolid::mesh::tet_oct::TetOctMesh;
 use subsolid::mesh::{TetMesh, features, generate};
-use subsolid::subdiv::catmull_clark;
 use subsolid::subdiv::options::{Boundary, CatmullClark, Mode, Objective, Optimise, Options, Scheme};
-use subsolid::subdiv::{self, Directions, History, Weights};
+use subsolid::subdiv::tet_oct::Embedding;
+use subsolid::subdiv::{self, Directions, History, Weights, catmull_clark, tet_oct};
 
 fn main() {
     divan::main();
@@ -63,6 +64,36 @@ fn sqrt3_step(bencher: Bencher, mode: Mode) {
     let options = Options { boundary: Boundary::Approximating, optimise, ..Options::default() };
     let refined = || subdiv::refine(&mesh, &History::default(), &all, &options).unwrap().mesh;
     bencher.counter(ItemsCount::new(refined().tets().len())).bench(refined);
+}
+
+/// A step of smooth tetrahedral/octahedral subdivision from 104,448 cells to 798,720; the rate is output cells a second.
+#[divan::bench(sample_count = 10)]
+fn tet_oct_step(bencher: Bencher) {
+    let mesh = tet_oct::refine(&tet_oct::refine(&TetOctMesh::from(&cube(8))));
+    let refined = || tet_oct::refine(&mesh);
+    bencher.counter(ItemsCount::new(refined().cell_count())).bench(refined);
+}
+
+/// A million points in a cube.
+fn cloud() -> Vec<DVec3> {
+    let share = |i: usize, step: f64| 0.02 + 0.96 * (0.5 + step * i as f64).fract();
+    (0..1_000_000).map(|i| DVec3::new(share(i, 0.754_877_6), share(i, 0.569_840_2), share(i, 0.430_159_7))).collect()
+}
+
+/// The weights of a million points in 3,072 control cells refined three times.
+#[divan::bench(sample_count = 3)]
+fn embed_points(bencher: Bencher) {
+    let (control, points) = (TetOctMesh::from(&cube(8)), cloud());
+    bencher.counter(ItemsCount::new(points.len())).bench(|| Embedding::new(&control, 3, &points).unwrap());
+}
+
+/// One frame of them.
+#[divan::bench]
+fn deform_points(bencher: Bencher) {
+    let (control, points) = (TetOctMesh::from(&cube(8)), cloud());
+    let embedding = Embedding::new(&control, 3, &points).unwrap();
+    let moved: Vec<DVec3> = control.points().iter().map(|p| *p + DVec3::new(0.1 * p.y * p.y, 0.2 * p.x, 0.0)).collect();
+    bencher.counter(ItemsCount::new(points.len())).bench(|| embedding.places(&moved));
 }
 
 #[divan::bench]

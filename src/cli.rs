@@ -97,6 +97,27 @@ pub enum Command {
         #[command(flatten)]
         common: Common,
     },
+    /// Move what is embedded in a solid with its control points, from pose to pose; write the frames as VTK
+    Deform {
+        /// Scenario file (TOML) with [mesh], [embed] and [[pose]]
+        scenario: PathBuf,
+        #[command(flatten)]
+        common: Common,
+        #[command(flatten)]
+        scenario_options: ScenarioOptions,
+    },
+    /// Analyse how smooth tetrahedral/octahedral subdivision is: across faces, along edges, at vertices; write the characteristic
+    /// maps as VTK
+    Smoothness {
+        /// Folder of the maps
+        #[arg(long, value_name = "DIR", default_value = "results/smoothness")]
+        output: PathBuf,
+        /// Write all tables to this file, as Markdown, and pictures into a folder of its name beside it
+        #[arg(long, value_name = "FILE")]
+        markdown: Option<PathBuf>,
+        #[command(flatten)]
+        common: Common,
+    },
     /// Print the JSON schema of scenarios, for editors
     Schema,
     /// Print a completion script for a shell
@@ -139,7 +160,7 @@ pub struct Subdivide {
     /// Vertices that stay where they are: a file of one number (from 0) a line
     #[arg(long, value_name = "FILE")]
     pub corners: Option<PathBuf>,
-    /// What scheme sqrt3 does to the boundary surface; the others keep it [default: approximating]
+    /// What scheme sqrt3 does to the boundary surface; red and longest-edge keep it [default: approximating]
     #[arg(long, value_enum)]
     pub boundary: Option<BoundaryName>,
     /// How each refined mesh is optimised for its dihedral angles
@@ -250,6 +271,8 @@ pub enum SchemeName {
     LongestEdge,
     /// Smooth subdivision of solids of hexahedra, one cell into eight
     CatmullClark,
+    /// Smooth subdivision of tetrahedra into tetrahedra and octahedra
+    TetOct,
 }
 
 impl SchemeName {
@@ -259,7 +282,7 @@ impl SchemeName {
             Self::Sqrt3 => Some(Scheme::Sqrt3),
             Self::Red => Some(Scheme::Red),
             Self::LongestEdge => Some(Scheme::LongestEdge),
-            Self::CatmullClark => None,
+            Self::CatmullClark | Self::TetOct => None,
         }
     }
 }

@@ -6,7 +6,9 @@ use crate::mesh::MeshError;
 use crate::mesh::hex::HexError;
 use crate::output::OutputError;
 use crate::pipeline::ModelError;
+use crate::pipeline::tet_oct::DeformError;
 use crate::scenario::ScenarioError;
+use crate::subdiv::tet_oct::EmbedError;
 
 /// Why a command failed.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -45,6 +47,14 @@ pub enum Error {
     #[error("hexahedra are refined globally: there is nothing adaptive to compare with")]
     #[diagnostic(help("compare elements instead: subsolid compare SCENARIO --elements hex27,catmull-clark"))]
     NothingAdaptive,
+    /// Points cannot be embedded in a control mesh.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Embed(#[from] EmbedError),
+    /// Control points cannot be moved so.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Deform(#[from] DeformError),
     /// Supports, loads and materials do not fit the mesh.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -164,7 +174,7 @@ impl Error {
             | Self::NoScenarios { .. }
             | Self::NothingExpected => 3,
             Self::Hex(_) | Self::NotHexahedra { .. } | Self::Mesh(_) => 4,
-            Self::Model(_) => 5,
+            Self::Model(_) | Self::Embed(_) | Self::Deform(_) => 5,
             Self::Fem(error) if error.is_model() => 5,
             Self::Fem(_) | Self::Adapt(_) | Self::Output(_) | Self::Print(_) => 6,
             Self::ToleranceNotReached { .. } => 7,

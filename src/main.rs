@@ -3,7 +3,7 @@
 mod cli;
 
 use clap::{CommandFactory as _, Parser as _};
-use cli::{BoundaryName, CellsName, Cli, Command, Common, ScenarioOptions};
+use cli::{BoundaryName, CellsName, Cli, Command, Common, ScenarioOptions, SchemeName};
 use peak_alloc::PeakAlloc;
 use std::collections::BTreeSet;
 use std::io::Write as _;
@@ -14,9 +14,10 @@ use subsolid::pipeline::choice::Cells;
 use subsolid::pipeline::hexes::{HexSubdivision, compare_elements, subdivide_hexes};
 use subsolid::pipeline::inspect::{Inspection, inspect};
 use subsolid::pipeline::subdivide::{Subdivision, subdivide};
+use subsolid::pipeline::tet_oct::{Smoothness, TetOctSubdivision, deform, smoothness, subdivide_tet_oct};
 use subsolid::pipeline::verify::{Verification, verify};
 use subsolid::pipeline::{MemoryProbe, RunOptions, check, compare, run, variants};
-use subsolid::scenario::Scenario;
+use subsolid::scenario::{Deformation, Scenario};
 use subsolid::subdiv::options::{Mode, Optimise, Options, QualityMeasure, Scheme};
 
 #[global_allocator]
@@ -72,9 +73,10 @@ fn main() -> ExitCode {
         }
         Command::Subdivide(arguments) => {
             set_threads(&arguments.common);
-            finish(match arguments.scheme.of_tetrahedra() {
-                Some(scheme) => subdivide(&subdivision(arguments, scheme)).map(drop),
-                None => subdivide_hexes(&hex_subdivision(arguments)).map(drop),
+            finish(match (arguments.scheme.of_tetrahedra(), arguments.scheme) {
+                (Some(scheme), _) => subdivide(&subdivision(arguments, scheme)).map(drop),
+                (None, SchemeName::TetOct) => subdivide_tet_oct(&tet_oct_subdivision(arguments)).map(drop),
+                (None, _) => subdivide_hexes(&hex_subdivision(arguments)).map(drop),
             })
         }
         Command::Inspect { mesh, feature_angle, common } => {
@@ -82,6 +84,16 @@ fn main() -> ExitCode {
             let quiet = is_quiet(&common);
             let json = common.json;
             finish(inspect(&Inspection { mesh, feature_angle, quiet, json }))
+        }
+        Command::Deform { scenario, common, scenario_options } => {
+            set_threads(&common);
+            let read = Deformation::from_file(&scenario, &scenario_options.set).map_err(Error::from);
+            finish(read.and_then(|d| deform(&d, &run_options(&common, &scenario_options)).map(drop)))
+        }
+        Command::Smoothness { output, markdown, common } => {
+            set_threads(&common);
+            let quiet = is_quiet(&common);
+            finish(smoothness(&Smoothness { output, markdown, json: common.json, quiet }).map(drop))
         }
         Command::Schema => finish(subsolid::pipeline::print(&format!("{:#}\n", subsolid::scenario::schema()))),
         Command::Completions { shell } => completions(shell),
@@ -166,6 +178,27 @@ fn hex_subdivision(arguments: cli::Subdivide) -> HexSubdivision {
         quiet,
         json,
     }
+}
+
+/// What `subdivide --scheme tet-oct` is told, in the library's words.
+fn tet_oct_subdivision(arguments: cli::Subdivide) -> TetOctSubdivision {
+    let quiet = is_quiet(&arguments.common);
+    let cli::Subdivide { mesh, feature_angle, edges, corners, output, common: Common { json, .. }, .. } = arguments;
+    if json.as_ref() == Some(&output) {
+        refuse("--json and --output name the same file");
+    }
+    if arguments.frames.is_some() {
+        refuse("--frames is for schemes whose steps have stages: a step of --scheme tet-oct has one");
+    }
+    if !matches!(arguments.select, None | Some(CellsName::All)) {
+        refuse("--scheme tet-oct refines all cells: leave out --select");
+    }
+    warn_if_idle("--boundary is for --scheme sqrt3", arguments.boundary.is_some());
+    warn_if_idle("--curvature-angle is for --select curvature", arguments.curvature_angle.is_some());
+    warn_if_idle("--variant is for --scheme catmull-clark", arguments.variant.is_some());
+    warn_if_idle("--interpolate is for --scheme catmull-clark", arguments.interpolate);
+    let steps = arguments.steps.into();
+    TetOctSubdivision { mesh, steps, feature_angle, edges, corners, output, quiet, json }
 }
 
 fn warn_if_idle(option: &str, idle: bool) {

@@ -13,7 +13,9 @@ pub mod quality;
 pub mod read;
 pub(crate) mod rows;
 pub mod surface;
+pub mod tet_oct;
 pub mod topology;
+pub mod weights;
 
 pub use error::{MeshError, Place, Victim};
 

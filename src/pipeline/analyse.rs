@@ -11,6 +11,7 @@ use crate::adapt::{self, CellErrors, GoalError, Side};
 use crate::error::Error;
 use crate::fem::options::{Method, SolverOptions};
 use crate::fem::{self, Data, FemError, Goal, Kept, Solution, Space, System};
+use crate::mesh::weights::WeightRows;
 use crate::mesh::{TetMesh, quality};
 use crate::output::report::{ErrorRecord, MeshCounts, PhaseSeconds, SolverRecord, StepRecord};
 use glam::DVec3;
@@ -30,13 +31,21 @@ pub(super) struct Analysed<'m> {
     free_dofs: usize,
 }
 
+/// The control points that are the unknowns of an analysis on a smooth solid.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Control<'a> {
+    pub mesh: &'a TetMesh,
+    /// The nodes as their combinations.
+    pub basis: &'a WeightRows,
+}
+
 /// Assembles, solves (from a guess of the displacement), recovers, estimates, and adds the times to `seconds`.
 ///
 /// # Errors
 /// [`Error::Fem`]: the model is ill-posed, or the solver failed.
 pub(super) fn analyse<'m>(
     index: usize,
-    mesh: &'m TetMesh,
+    (mesh, control): (&'m TetMesh, Option<Control<'_>>),
     problem: &Resolved,
     plan: &Plan<'_>,
     guess: Option<&[DVec3]>,
@@ -46,7 +55,7 @@ pub(super) fn analyse<'m>(
     let midsides = if index == 0 { &problem.midsides[..] } else { &[] };
     let space = timed(&mut seconds.assemble, || Space::new(mesh, plan.scenario.element, midsides));
     let name = &format!("step {index}");
-    let (mut analysed, system, kept) = solved(space, name, problem, plan, guess, seconds)?;
+    let (mut analysed, system, kept) = solved((space, control), name, problem, plan, guess, seconds)?;
     let mut richer = if analysed.errors.unresolved.is_empty() {
         None
     } else {
@@ -77,7 +86,7 @@ pub(super) fn analyse<'m>(
 
 /// The solution on a mesh with its nodes, without the error of a goal; with the system and what solving it left behind.
 pub(super) fn solved<'m>(
-    space: Space<'m>,
+    (space, control): (Space<'m>, Option<Control<'_>>),
     name: &str,
     problem: &Resolved,
     plan: &Plan<'_>,
@@ -92,20 +101,30 @@ pub(super) fn solved<'m>(
         }
         Ok::<_, fem::FemError>(system)
     })?;
-    phase.say(format!("{name}: solve {} equations", system.free_dofs()));
+    let restricted = timed(&mut seconds.assemble, || {
+        control.map(|c| fem::restrict(&system, c.basis, c.mesh, &problem.model)).transpose()
+    })?;
+    let unknown = restricted.as_ref().unwrap_or(&system);
+    phase.say(format!("{name}: solve {} equations", unknown.free_dofs()));
     let mut kept = Kept::default();
     let options = &plan.scenario.solver;
-    let solved = timed(&mut seconds.solve, || fem::solve_keeping(&system, options, guess, &mut kept))?;
+    let solved = timed(&mut seconds.solve, || fem::solve_keeping(unknown, options, guess, &mut kept))?;
     let kept = if problem.goal.is_some() { kept } else { Kept::default() };
     phase.say(format!("{name}: estimate the error"));
     let estimator = plan.scenario.adapt.estimator;
     let (solution, errors) = timed(&mut seconds.estimate, || {
-        let solution = fem::recover(&space, &problem.model, &system, &solved);
-        let data = Data::new(&space, &problem.model, problem.exact.as_ref());
+        let model = &problem.model;
+        let solution = match (control, &restricted) {
+            (Some(control), Some(restricted)) => {
+                fem::recover_restricted(&space, model, (&system, restricted), (control.basis, &solved))
+            }
+            _ => fem::recover(&space, model, &system, &solved),
+        };
+        let data = Data::new(&space, model, problem.exact.as_ref());
         let errors = adapt::estimate_solved(&data, &solution.displacement, &solution.stress, estimator);
         (solution, errors)
     });
-    let (dofs, free_dofs) = (system.dofs(), system.free_dofs());
+    let (dofs, free_dofs) = (unknown.dofs(), unknown.free_dofs());
     Ok((
         Analysed { space, solution, errors, goal: None, dual: Dual::default(), straight: None, dofs, free_dofs },
         system,

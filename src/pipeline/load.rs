@@ -15,20 +15,28 @@ pub const DATA_VARIABLE: &str = "SUBSOLID_DATA";
 /// # Errors
 /// [`MeshError`]: the file is in none of the places looked at, or it is not a mesh.
 pub fn load(scenario: &Scenario) -> Result<MeshFile, MeshError> {
-    match &scenario.mesh {
+    load_source(&scenario.mesh, scenario.midside, &scenario.directory)
+}
+
+/// As [`load`], of a scenario of any kind in the folder `beside`.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_source(source: &MeshSource, midside: Midside, beside: &Path) -> Result<MeshFile, MeshError> {
+    match source {
         MeshSource::File(file) => {
-            let edges = match scenario.midside {
+            let edges = match midside {
                 Midside::Straight => Edges::Straight,
                 Midside::Curved => Edges::Curved,
             };
-            read_with(&find(file, &scenario.directory)?, edges)
+            read_with(&find(file, beside)?, edges)
         }
         MeshSource::Box { size, cells } => {
             let mesh = generate::box_tets(*size, *cells).map_err(|e| of_key("box", e))?;
             Ok(made(straight(mesh), "generated box"))
         }
         MeshSource::Shape(shape) => {
-            let body = generated(*shape).and_then(|body| match scenario.midside {
+            let body = generated(*shape).and_then(|body| match midside {
                 Midside::Straight => Ok(straight(body.mesh)),
                 Midside::Curved => body.unfolded(),
             });

@@ -8,7 +8,7 @@ use crate::mesh::locate::Locator;
 use crate::mesh::midside::Midside;
 use crate::mesh::{GroupId, Tagged, TetMesh, features, topology};
 use crate::output::report::Selection;
-use crate::scenario::{Load, LoadKind, Material, Scenario, Selector, Support, suggest};
+use crate::scenario::{Features, Load, LoadKind, Material, Scenario, Selector, Support, suggest};
 use glam::DVec3;
 use miette::Diagnostic as _;
 use std::collections::BTreeSet;
@@ -78,7 +78,7 @@ pub fn resolve_curved(scenario: &Scenario, mesh: TetMesh, midsides: Vec<Midside>
     warnings.extend(loading::idle_supports(&model, &prescribed));
     warnings.extend(goal.and_then(|goal| loading::shared_reaction(&space, &model, &quantities[goal])));
     drop(space);
-    let mesh = with_features(scenario, mesh)?;
+    let mesh = with_features(&scenario.features, mesh)?;
     Ok(Resolved { mesh, midsides, element: scenario.element, model, quantities, goal, exact, selections, warnings })
 }
 
@@ -397,8 +397,7 @@ impl<B: Body> Targets<B> {
 }
 
 /// The mesh with its creases and corners.
-fn with_features(scenario: &Scenario, mesh: TetMesh) -> Result<TetMesh, ModelError> {
-    let tagged = &scenario.features;
+pub(super) fn with_features(tagged: &Features, mesh: TetMesh) -> Result<TetMesh, ModelError> {
     if !tagged.edges.is_empty() {
         let edges = topology::edges(mesh.tets());
         let missing = |e: &&[u32; 2]| edges.binary_search(&topology::sorted2(**e)).is_err();

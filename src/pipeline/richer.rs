@@ -50,7 +50,7 @@ pub(super) fn compare(
     } else {
         let space = Space::new(mesh, Element::Tet10, &[]);
         // That it cannot be solved is no reason to end the run: thin cells are harder with ten nodes.
-        match solved(space, &format!("{name}, ten-node cells"), problem, plan, None, seconds) {
+        match solved((space, None), &format!("{name}, ten-node cells"), problem, plan, None, seconds) {
             Ok((richer, ..)) => Some(richer),
             Err(Error::Fem(_)) => None,
             Err(other) => return Err(other),

@@ -67,7 +67,7 @@ fn face_distance(mesh: &impl Tagged, selector: &Selector, face: usize) -> f64 {
 }
 
 /// How far a point lies outside a shape; not positive inside. Infinite for selectors that are no shapes.
-fn outside(selector: &Selector, x: DVec3) -> f64 {
+pub(super) fn outside(selector: &Selector, x: DVec3) -> f64 {
     match selector {
         Selector::Plane { normal, offset, .. } => (normal.dot(x) - offset).abs() / normal.length(),
         Selector::Box { min, max, .. } => (*min - x).max(x - *max).max_element(),

@@ -1,12 +1,13 @@
 //! The loop: solve, estimate, record, stop?, mark, grow, refine.
 
 use super::MemoryProbe;
-use super::analyse::{Analysed, analyse};
+use super::analyse::{Analysed, Control, analyse};
 use super::doubts;
 use super::forecast;
 use super::look_ahead::{self, Seen};
 use super::quantities;
 use super::resolve::Resolved;
+use super::smooth::smoothed;
 use super::straight::{self, Straight};
 use super::tolerance;
 use crate::adapt;
@@ -16,6 +17,7 @@ use crate::mesh::TetMesh;
 use crate::output::progress::Progress;
 use crate::output::report::{PROGRAM, PhaseSeconds, Report, SCHEMA, StepRecord, StopReason};
 use crate::scenario::{Scenario, Strategy};
+use crate::subdiv::options::{Mode, Optimise, Options};
 use crate::subdiv::{self, History, Weights};
 use std::time::Instant;
 
@@ -63,7 +65,11 @@ pub(super) fn simulate(
     let stop_reason = loop {
         let index = steps.len();
         let mut seconds = PhaseSeconds { refine: refine_seconds, ..PhaseSeconds::default() };
-        let mut analysed = analyse(index, &mesh, problem, plan, guess.as_deref(), &mut seconds)?;
+        let smooth = timed(&mut seconds.refine, || plan.scenario.smooth.map(|s| smoothed(&mesh, s)).transpose())?;
+        let shown = smooth.as_ref().map_or(&mesh, |smooth| &smooth.mesh);
+        let basis = smooth.as_ref().and_then(|smooth| smooth.basis.as_ref());
+        let control = basis.map(|basis| Control { mesh: &mesh, basis });
+        let mut analysed = analyse(index, (shown, control), problem, plan, guess.as_deref(), &mut seconds)?;
         if index == 0 {
             straight = straight::compare(&analysed, problem, plan, &mut seconds)?;
         } else if let Some(straight) = straight {
@@ -75,11 +81,11 @@ pub(super) fn simulate(
         let vain =
             index == 0 && straight.is_some_and(|s: Straight| s.exceeds(&plan.scenario.refine.stop, &analysed, problem));
         let reached = reached.or(vain.then_some(StopReason::StraightEdges));
-        let selected = timed(&mut seconds.mark, || select(&mesh, &analysed, plan, reached, steps.last()))?;
+        let selected = timed(&mut seconds.mark, || select(shown, &analysed, plan, reached, steps.last()))?;
         let stop = reached.or_else(|| reason_not_to_refine(plan, &selected, &analysed, &mut warnings));
 
         let idle = analysed.is_idle(problem);
-        let step = Step { index, mesh: &mesh, analysed: &analysed, selected: &selected, idle };
+        let step = Step { index, mesh: shown, analysed: &analysed, selected: &selected, idle };
         timed(&mut seconds.write, || observe(&step))?;
         let record =
             StepRecord { peak_memory_bytes: (plan.memory.peak)() as u64, ..record(&step, problem, seconds, unit) };
@@ -91,7 +97,11 @@ pub(super) fn simulate(
         let _phase = plan.progress.phase(format!("step {}: refine", index + 1));
         refine_seconds = 0.0;
         let input = problem.mesh.points().len();
-        let next = timed(&mut refine_seconds, || refine(&step, &history, plan, input))?;
+        let next = timed(&mut refine_seconds, || match smooth {
+            // All cells of the control mesh, which has no errors of its own to optimise it for.
+            Some(_) => refine_control(&mesh, &history, plan),
+            None => refine(&step, &history, plan, input),
+        })?;
         guess = timed(&mut refine_seconds, || analysed.guess(&next.0, &plan.scenario.solver));
         (mesh, history) = next;
     };
@@ -140,6 +150,14 @@ fn refine(step: &Step<'_>, history: &History, plan: &Plan<'_>, input: usize) -> 
     let first = if plan.strategy == Strategy::Global { refined.mesh.points().len() } else { input };
     let optimised = subdiv::optimise_error(&refined.mesh, &weights, options.optimise.passes, first)?;
     Ok((optimised.mesh, refined.history.renumbered(&optimised.kept)))
+}
+
+/// The next control mesh of a smooth solid.
+fn refine_control(mesh: &TetMesh, history: &History, plan: &Plan<'_>) -> Result<(TetMesh, History), Error> {
+    let optimise = Optimise { mode: Mode::Paper, ..plan.scenario.refine.options.optimise };
+    let options = Options { optimise, ..plan.scenario.refine.options };
+    let refined = subdiv::refine(mesh, history, &vec![true; mesh.tets().len()], &options)?;
+    Ok((refined.mesh, refined.history))
 }
 
 /// Runs `work` and adds its wall time to `seconds`.

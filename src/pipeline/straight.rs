@@ -40,7 +40,7 @@ pub(super) fn compare(
         return Ok(None);
     }
     let space = Space::new(analysed.space.mesh(), plan.scenario.element, &[]);
-    let (straight, ..) = solved(space, "step 0, straight edges", problem, plan, None, seconds)?;
+    let (straight, ..) = solved((space, None), "step 0, straight edges", problem, plan, None, seconds)?;
     let changed = |a: f64, b: f64| (1.0 + MISSED) * (a - b).abs();
     // Without their corrections: the recovery of stresses that turn is worse than they are.
     let computed = |on: &Analysed<'_>| problem.goal.map_or(0.0, |goal| quantities::value(problem, on, goal));

@@ -7,7 +7,7 @@ use super::raw::*;
 use super::spanned::Spanned;
 use super::*;
 use crate::output::options::{FieldName, PublishedStep};
-use crate::subdiv::options::{Boundary, Mode, Objective, Optimise, QualityMeasure, Scheme};
+use crate::subdiv::options::{Boundary, Mode, Objective, Optimise, QualityMeasure, Scheme, SmoothBasis};
 use std::ops::Range;
 
 /// Most refinement steps a scenario may ask for.
@@ -30,13 +30,20 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
     let quantities = wanted::quantities(raw.quantities.unwrap_or_default(), &names, &place)?;
     let midside_key = raw.mesh.as_ref().and_then(|m| m.value.midside.clone());
     let body = mesh(raw.mesh)?;
-    let (element, hexes) = elements(raw.analysis.map(|t| t.value), &body)?;
+    let mut analysis = raw.analysis.map(|t| t.value);
+    let smooth = smooth(analysis.as_mut().and_then(|a| a.smooth.take()), analysis.as_ref())?;
+    let (element, hexes) = elements(analysis, &body)?;
     warnings.extend(locking(&materials, element, hexes));
     let is_straight = midside_key.as_ref().is_some_and(|m| *m.get_ref() == Midside::Straight);
     let hexes = hexes.map(|h| Hexes { curved: h.element.has_edge_nodes() && !is_straight, ..h });
     let midside = midside(midside_key, element)?;
     let has_goal = raw.adapt.as_ref().is_some_and(|t| t.value.goal.is_some());
+    let written = raw.refine.as_ref().map(|t| t.span.clone());
     let refine = refine(raw.refine.map(|t| t.value), hexes, has_goal, &mut warnings)?;
+    check_smooth(smooth, &refine, written, raw.adapt.as_ref())?;
+    if smooth.is_some_and(|s| s.basis == SmoothBasis::Control) {
+        warnings.push(SMOOTH_ERRORS.to_owned());
+    }
     let asked = refine.stop.relative_error.is_some();
     if hexes.is_some() && raw.adapt.as_ref().is_some_and(|t| t.value.steers()) {
         warnings.push("[adapt] is for tetrahedra: hexahedra are refined globally, it has no effect here".to_owned());
@@ -61,6 +68,7 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
         refine,
         midside,
         element,
+        smooth,
         hexes,
         adapt,
         solver: solver(raw.solver.map(|t| t.value).unwrap_or_default())?,
@@ -104,6 +112,47 @@ fn elements(raw: Option<RawAnalysis>, body: &MeshSource) -> Checked<(Element, Op
     Ok((kind.unwrap_or_default(), kind.err().map(|element| Hexes { element, options, curved: false, interpolate })))
 }
 
+/// What the error estimate sees of smooth functions.
+const SMOOTH_ERRORS: &str = "errors are estimated from the jumps of the stress between the cells of the subdivided mesh, which smooth functions \
+                             hardly have: with analysis.smooth.basis = \"control\" they are mostly too small";
+
+/// `analysis.smooth`.
+fn smooth(raw: Option<Table<RawSmooth>>, analysis: Option<&RawAnalysis>) -> Checked<Option<Smooth>> {
+    let Some(Table { span, value: raw }) = raw else { return Ok(None) };
+    let element = analysis.and_then(|a| a.element.as_ref());
+    if element.is_none_or(|e| e.get_ref().kind() != Ok(Element::Tet4)) {
+        let fault = Fault::new(span, "is for four-node cells", "with these alone");
+        return Err(fault.help("set analysis.element = \"tet4\""));
+    }
+    let steps = raw.steps.map(|n| integer(&n, 0..=5)).transpose()?.unwrap_or(2);
+    Ok(Some(Smooth { steps, octahedra: raw.octahedra.unwrap_or_default(), basis: raw.basis.unwrap_or_default() }))
+}
+
+/// Refuses what does not go with `analysis.smooth`.
+fn check_smooth(
+    smooth: Option<Smooth>,
+    refine: &Refine,
+    written: Option<Range<usize>>,
+    adapt: Option<&Table<RawAdapt>>,
+) -> Checked<()> {
+    if smooth.is_none() {
+        return Ok(());
+    }
+    if let Some(goal) = adapt.and_then(|t| t.value.goal.as_ref()) {
+        return Err(Fault::new(goal.span(), "does not go with analysis.smooth", "no dual problem").help("leave it out"));
+    }
+    let is_red = refine.options.scheme == Scheme::Red && refine.strategy == Strategy::Global;
+    if refine.strategy == Strategy::None || is_red {
+        return Ok(());
+    }
+    let fault = Fault::new(
+        written.unwrap_or(0..0),
+        "refines the control mesh of a smooth solid in part",
+        "not with analysis.smooth",
+    );
+    Err(fault.help("leave it out, or set scheme = \"red\": it splits all cells of the control mesh in eight"))
+}
+
 /// What becomes of mid-side nodes; curved edges need elements with nodes on them.
 fn midside(midside: Option<Spanned<Midside>>, element: Element) -> Checked<Midside> {
     let Some(midside) = midside else { return Ok(Midside::default()) };
@@ -114,7 +163,7 @@ fn midside(midside: Option<Spanned<Midside>>, element: Element) -> Checked<Midsi
     Ok(*midside.get_ref())
 }
 
-fn mesh(raw: Option<Table<RawMesh>>) -> Checked<MeshSource> {
+pub(super) fn mesh(raw: Option<Table<RawMesh>>) -> Checked<MeshSource> {
     let help = "add [mesh] with file = \"part.msh\", or [mesh.box] with size = [4, 1, 1] and cells = [8, 2, 2]";
     let Some(Table { span, mut value }) = raw else {
         return Err(Fault::new(0..0, "the scenario has no [mesh]", "no [mesh] in this file").help(help));
@@ -162,7 +211,7 @@ fn brick(raw: &RawBrick) -> Checked<MeshSource> {
     }
 }
 
-fn features(raw: Option<Table<RawFeatures>>) -> Checked<Features> {
+pub(super) fn features(raw: Option<Table<RawFeatures>>) -> Checked<Features> {
     let Some(Table { value: raw, .. }) = raw else {
         return Ok(Features { angle: None, edges: Vec::new(), corners: Vec::new() });
     };

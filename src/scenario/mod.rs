@@ -4,6 +4,7 @@
 
 mod actions;
 mod check;
+mod deform;
 mod document;
 mod error;
 mod fields;
@@ -18,6 +19,7 @@ mod wanted;
 
 pub use actions::{Load, LoadKind, Support};
 pub use check::MAX_STEPS;
+pub use deform::{ControlPoints, Deformation, Move, Pose};
 pub use error::{Invalid, ScenarioError};
 pub use selector::Selector;
 pub use shapes::Shape;
@@ -26,7 +28,7 @@ pub use wanted::{Bound, Cells, Exact, Expectation, Extent, Figure, Probe, Quanti
 use crate::adapt::options::{Estimator, Marking};
 use crate::fem::options::{Element, HexElement, HexOptions, SolverOptions};
 use crate::output::options::{Compression, FieldName, HexCells, Published, Units};
-use crate::subdiv::options::Options;
+use crate::subdiv::options::{Options, Smooth};
 use document::Setting;
 use serde::Deserialize as _;
 use std::path::{Path, PathBuf};
@@ -70,6 +72,8 @@ pub struct Scenario {
     pub midside: Midside,
     /// `analysis.element`, if it is one of tetrahedra.
     pub element: Element,
+    /// `analysis.smooth`.
+    pub smooth: Option<Smooth>,
     /// `analysis.element`, if it is one of hexahedra.
     pub hexes: Option<Hexes>,
     /// `[adapt]`.

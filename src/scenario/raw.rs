@@ -7,7 +7,7 @@ use super::{Midside, fields, shapes};
 use crate::adapt::options::Estimator;
 use crate::fem::options::{Element, ExactSolution, Field, HexElement, Method, Total};
 use crate::output::options::{Compression, FieldName, HexCells, Units};
-use crate::subdiv::options::{Boundary, CatmullClark, Mode, Objective, QualityMeasure, Scheme};
+use crate::subdiv::options::{Boundary, CatmullClark, Mode, Objective, Octahedra, QualityMeasure, Scheme, SmoothBasis};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, de};
 use std::{borrow::Cow, collections::BTreeMap, fmt, marker::PhantomData, ops::Range};
@@ -194,7 +194,9 @@ selector_table!(RawQuantity {
     region: Text,
     within: Table<RawWithin>
 });
+selector_table!(RawMove { displacement: Table<RawDisplacement>, points: Spanned<Vec<u32>> });
 selector_table!(RawExact { solution: ExactSolution });
+selector_of!(RawMove);
 selector_of!(RawExact);
 selector_of!(RawQuantity);
 selector_of!(RawSupport);
@@ -273,6 +275,15 @@ pub(super) struct RawAnalysis {
     pub points: Option<Integer>,
     pub splits: Option<Integer>,
     pub interpolate: Option<Spanned<bool>>,
+    pub smooth: Option<Table<RawSmooth>>,
+}
+
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawSmooth {
+    pub steps: Option<Integer>,
+    pub octahedra: Option<Octahedra>,
+    pub basis: Option<SmoothBasis>,
 }
 
 /// The finite element, of tetrahedra or of hexahedra.

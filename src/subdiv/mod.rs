@@ -7,6 +7,7 @@ pub mod options;
 mod red;
 mod solid;
 mod sqrt3;
+pub mod tet_oct;
 
 use crate::mesh::{MeshError, TetMesh, quality};
 use options::{Optimise, Options, Scheme};

@@ -28,6 +28,39 @@ pub enum CatmullClark {
     Printed,
 }
 
+/// Analysis on the solid that smooth tetrahedral/octahedral subdivision makes of the mesh, which is its control mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Smooth {
+    /// Steps of subdivision.
+    pub steps: usize,
+    /// How its octahedra are cut.
+    pub octahedra: Octahedra,
+    /// What the unknowns are.
+    pub basis: SmoothBasis,
+}
+
+/// How octahedra are cut into four-node cells.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Octahedra {
+    /// Into four around the shortest diagonal.
+    #[default]
+    Diagonal,
+    /// Into eight around the centroid.
+    Centroid,
+}
+
+/// What the unknowns of an analysis on a smooth solid are.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SmoothBasis {
+    /// Displacements of the control points: smooth functions, by Galerkin's method.
+    #[default]
+    Control,
+    /// Displacements of all nodes of the subdivided mesh.
+    Nodes,
+}
+
 /// What happens to the boundary and to the interfaces between regions (scheme sqrt(3) only; the others always keep them).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]

@@ -19,6 +19,7 @@ mod midsides;
 mod nodes;
 mod raw;
 mod runs;
+mod shape;
 mod source;
 #[cfg(test)]
 mod tests;
@@ -26,6 +27,7 @@ mod vtk;
 mod words;
 
 pub use list::read_list;
+pub use shape::{Shape, read_shape};
 
 use super::hex::HexError;
 use super::midside::Midside;
