@@ -134,13 +134,32 @@ fn tabulate_catmull_clark(bencher: Bencher, sides: usize) {
     bencher.counter(ItemsCount::new(basis.classes())).bench(tables);
 }
 
+/// The tube held at one end and pulled at the other.
+fn loaded_tube() -> (HexMesh, Model) {
+    let mesh = tube();
+    let pull = LoadKind::Traction(mesh.group("z-max").unwrap(), DVec3::new(0.2, 0.0, 1.0).into());
+    let model = Model {
+        supports: vec![Support::new("clamp", mesh.group("z-min").unwrap(), [Some(0.0); 3])],
+        loads: vec![Load { name: "pull".to_owned(), kind: pull }],
+        ..model(&cube(1))
+    };
+    (mesh, model)
+}
+
+/// Setup of multigrid and iterations for 2,048 cells.
+#[divan::bench(args = [HexElement::Hex27, HexElement::CatmullClark, HexElement::CatmullClarkPlus], sample_count = 10)]
+fn solve_hexahedra(bencher: Bencher, element: HexElement) {
+    let (mesh, model) = loaded_tube();
+    let space = HexSpace::new(&mesh, element, HexOptions::default());
+    let system = assemble_hexes(&space, &model).unwrap();
+    let options = SolverOptions { method: Method::AmgCg, ..SolverOptions::default() };
+    bencher.counter(ItemsCount::new(system.free_dofs())).bench(|| fem::solve(&system, &options, None).unwrap());
+}
+
 /// Rings, tables and stiffness of 2,048 cells.
 #[divan::bench(args = [HexElement::Hex27, HexElement::CatmullClark], sample_count = 10)]
 fn assemble_hexahedra(bencher: Bencher, element: HexElement) {
-    let mesh = tube();
-    let mut model = model(&cube(1));
-    model.supports = vec![Support::new("clamp", mesh.group("z-min").unwrap(), [Some(0.0); 3])];
-    model.loads = Vec::new();
+    let (mesh, model) = loaded_tube();
     bencher.counter(ItemsCount::new(mesh.cells().len())).bench(|| {
         let space = HexSpace::new(&mesh, element, HexOptions::default());
         assemble_hexes(&space, &model).unwrap()
