@@ -173,7 +173,7 @@ impl Error {
             | Self::NoStopRule
             | Self::NoScenarios { .. }
             | Self::NothingExpected => 3,
-            Self::Hex(_) | Self::NotHexahedra { .. } | Self::Mesh(_) => 4,
+            Self::Hex(_) | Self::NotHexahedra { .. } | Self::Mesh(_) | Self::Embed(EmbedError::Folded(_)) => 4,
             Self::Model(_) | Self::Embed(_) | Self::Deform(_) => 5,
             Self::Fem(error) if error.is_model() => 5,
             Self::Fem(_) | Self::Adapt(_) | Self::Output(_) | Self::Print(_) => 6,

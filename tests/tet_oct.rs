@@ -7,6 +7,7 @@ use proptest::prelude::*;
 use std::collections::BTreeMap;
 use std::path::Path;
 use subsolid::mesh::quality::EDGES;
+use subsolid::mesh::read::read;
 use subsolid::mesh::tet_oct::{CellEdges, OCT_EDGES, OCT_FACES, OctSplit, TetOctMesh};
 use subsolid::mesh::{RegionId, TetMesh, features, generate, surface};
 use subsolid::pipeline::load::load;
@@ -315,4 +316,39 @@ proptest! {
             prop_assert!(map.transform_point3(*p).distance(*q) < 1e-13);
         }
     }
+}
+
+#[test]
+fn the_command_writes_a_mesh_that_is_read_back_and_refuses_what_it_cannot_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let (out, json) = (folder.path().join("out.vtu"), folder.path().join("out.json"));
+    let run = |mesh: &Path, more: &[&str]| {
+        let mut command = assert_cmd::Command::cargo_bin("subsolid").unwrap();
+        command.arg("subdivide").arg(mesh).args(["--scheme", "tet-oct", "-o"]).arg(&out).arg("--json").arg(&json);
+        let output = command.args(more).output().unwrap();
+        (output.status.code().unwrap(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let bracket = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/bracket.msh");
+    for (more, code, words) in [
+        (&["--select", "boundary"][..], 2, "--select"),
+        (&["--frames", "f"], 2, "--frames"),
+        (&["--steps", "12"], 4, "fewer steps"),
+    ] {
+        let (got, said) = run(&bracket, more);
+        assert!(got == code && said.contains(words) && !out.exists(), "{more:?}: {got} {said}");
+    }
+    assert_eq!(run(&bracket, &["--steps", "2"]).0, 0);
+    let (before, after) = (read(&bracket).unwrap().mesh, read(&out).unwrap().mesh);
+    let figures: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
+    let count = |key: &str| figures[key].as_u64().unwrap() as usize;
+    let cells = before.tets().len();
+    assert_eq!((count("tetrahedra"), count("octahedra")), (24 * cells, 10 * cells));
+    assert_eq!(after.tets().len(), 24 * cells + 4 * 10 * cells);
+    assert_eq!((after.groups(), after.region_names()), (before.groups(), before.region_names()));
+    for group in before.groups() {
+        let [fine, coarse] = [&after, &before].map(|m| m.group_faces(m.group(group).unwrap()).count());
+        assert_eq!(fine, 16 * coarse, "{group}");
+    }
+    let text = std::fs::read_to_string(&out).unwrap();
+    assert!(text.contains("Name=\"octahedron\""));
 }

@@ -63,7 +63,8 @@ const INTRODUCTION: &str = "\
 Written by `subsolid smoothness --markdown docs/smoothness.md`, which repeats appendix A of Schaefer, Hakenberg and Warren,
 *Smooth subdivision of tetrahedral meshes* (2004), by machine. The base cells are split linearly three times; then the matrices of one step
 of subdivision are taken around a face, an edge or a vertex of the base mesh, where the mesh looks the same at all scales. A vertex of the
-finer mesh is identified with the one at twice its distance by their linear places.
+finer mesh is identified with the one at twice its distance by their linear places. Inside tetrahedra and across faces this proves how smooth the limit
+is; for edges and vertices the paper conjectures that its conditions suffice, and \"C1\" and \"pass\" mean below that they hold.
 
 **Inside a tetrahedron** the mesh is uniform. Split and smoothing have the mask 25/48, 11/288 (twelve times) and 1/288 (six times), an
 eighth of the linear mask convolved with itself, so the limit is twice continuously differentiable (C2). `tests/tet_oct.rs` holds the masks to
@@ -104,7 +105,8 @@ Both matrices commute with the rotation around the edge; their Fourier blocks ar
 the edge, that along it is 1/2, lambda3 the smaller one. rho is the largest spectral radius found in the remainder, a bound from below on its
 joint spectral radius; the bound from above is the one with k factors, and has to be below lambda3. The leading eigenvectors of frequencies 2
 and up do not change along the edge, so both matrices have them in common, and their eigenvalues count as they are; \"direct k\" is what is
-needed where they are left in the blocks. The worst shape is that of the cells of the characteristic map after two steps (volume over that of a
+needed where they are left in the blocks. How many factors it takes depends on the norm; here it is the infinity norm in an orthonormal basis of each
+block. The worst shape is that of the cells of the characteristic map after two steps (volume over that of a
 regular tetrahedron with the longest edge; negative if one is inverted).
 
 | n | lambda1 | lambda3 | rho | bound | k | direct k | lambda3 - bound | worst shape | C1 |

@@ -11,7 +11,7 @@ use crate::output::options::{Compression, Units};
 use crate::output::progress::Progress;
 use crate::output::report::{MeshReport, write_json};
 use crate::output::vtk::{Fields, Values, write_vtu};
-use crate::subdiv::tet_oct::refine;
+use crate::subdiv::tet_oct::{EmbedError, refine};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -56,8 +56,8 @@ pub struct TetOctReport {
 /// data `octahedron`, its number, or -1 for cells that are tetrahedra.
 ///
 /// # Errors
-/// [`Error::Mesh`] if the mesh or a list cannot be read, or if a cell of the result is inverted, [`Error::Output`] if the result
-/// cannot be written.
+/// [`Error::Mesh`] if the mesh or a list cannot be read, [`Error::Embed`] if a cell of the result is inverted, [`Error::Output`] if
+/// the result cannot be written.
 pub fn subdivide_tet_oct(command: &TetOctSubdivision) -> Result<TetOctReport, Error> {
     if !command.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("vtu")) {
         return Err(Error::NotVtu { path: command.output.clone() });
@@ -79,7 +79,7 @@ pub fn subdivide_tet_oct(command: &TetOctSubdivision) -> Result<TetOctReport, Er
         mesh = refine(&mesh);
         seconds += clock.elapsed().as_secs_f64();
     }
-    let cut = mesh.tetrahedra(OctSplit::Diagonal)?;
+    let cut = mesh.tetrahedra(OctSplit::Diagonal).map_err(EmbedError::Folded)?;
     let numbers: Vec<f64> = cut.octs.iter().map(|oct| oct.map_or(-1.0, f64::from)).collect();
     let report = TetOctReport {
         tetrahedra: mesh.tets().len(),

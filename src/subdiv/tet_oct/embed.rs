@@ -22,8 +22,8 @@ const PIECE: usize = 1 << 12;
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum EmbedError {
     /// The control mesh has inverted cells after refinement.
-    #[error("the refined control mesh has no one-to-one shape")]
-    #[diagnostic(help("make the control mesh less twisted, or keep more of its edges as creases (features.angle)"))]
+    #[error("smooth subdivision inverts cells of this mesh")]
+    #[diagnostic(help("make the mesh less twisted, or keep more of its edges as creases, by a smaller feature angle"))]
     Folded(#[source] MeshError),
     /// Points lie outside.
     #[error(
