@@ -101,7 +101,8 @@ pub enum FemError {
         "cell {cell} is folded near ({:.4}, {:.4}, {:.4}): its Jacobian is {determinant:.3e} there", at.x, at.y, at.z
     )]
     #[diagnostic(help(
-        "move its control points or nodes apart; near sharp edges tag creases, so that they are not rounded off"
+        "move its control points or nodes apart; near sharp edges tag creases, so that they are not rounded off; a solid that goes \
+         through its vertices (analysis.interpolate) folds where cells of very different size meet: take them for control points"
     ))]
     Folded {
         /// Cell index.

@@ -26,6 +26,24 @@ pub(super) fn stiffness(space: &HexSpace<'_>, materials: &[Material]) -> Result<
     gather(space, |t| Ok(of_cell(space, &quadrature, materials, t)?.blocks))
 }
 
+/// Checks that no cell is folded at the points of its stiffness.
+///
+/// # Errors
+/// [`FemError::Folded`].
+pub fn check_hex_shapes(space: &HexSpace<'_>) -> Result<(), FemError> {
+    let quadrature = Quadrature::of_stiffness(space, 0, 0);
+    let folded = space.of_cells(|t| {
+        let (weights, table) = quadrature.of(space, t);
+        let frames = (0..weights.len()).map(|q| space.frame(t, &table, q));
+        let mut worst = frames.map(|(at, jacobian)| (at, jacobian.determinant()));
+        worst.find(|(_, determinant)| determinant.is_nan() || *determinant <= 0.0)
+    });
+    match folded.into_iter().enumerate().find_map(|(cell, found)| Some((cell, found?))) {
+        Some((cell, (at, determinant))) => Err(FemError::Folded { cell, at, determinant }),
+        None => Ok(()),
+    }
+}
+
 /// The stiffness of a cell as dense blocks.
 pub(super) struct CellMatrix {
     pub functions: usize,

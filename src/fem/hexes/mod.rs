@@ -24,6 +24,7 @@ mod tests;
 
 pub use error::HexErrors;
 pub use lattice::Lattice;
+pub use matrix::check_hex_shapes;
 pub use places::HexLocator;
 pub use quantity::HexState;
 pub use recovery::RecoveredStress;

@@ -73,12 +73,12 @@ fn refuse_hexahedra(path: &Path, raw: &Raw) -> Result<(), MeshError> {
     }
     let beside = if tets == 0 { "no".to_owned() } else { tets.to_string() };
     let message = format!(
-        "element {} is a hexahedron; the mesh has {hexes} hexahedra and {beside} tetrahedra, and this element needs \
-         tetrahedra alone",
+        "element {} is a hexahedron; the mesh has {hexes} hexahedra and {beside} tetrahedra, and tetrahedra alone \
+         are asked for",
         raw.hexes.ids.get(0)
     );
-    let help = "mesh the volume with tetrahedra alone (no recombination, no extruded layers), or with hexahedra alone and \
-                choose analysis.element = \"catmull-clark\" or \"hex8\"";
+    let help = "mesh the volume with tetrahedra alone (no recombination, no extruded layers), or with hexahedra alone: \
+                in a scenario choose analysis.element = \"hex20\" or \"catmull-clark\", with `subdivide` --scheme catmull-clark";
     Err(error_at(path, raw.place(&raw.hexes.places, 0), message, help))
 }
 

@@ -154,6 +154,7 @@ fn refuse(words: &mut Words, kind: &[u8]) -> Result<(), MeshError> {
         return Ok(());
     }
     let kind = String::from_utf8_lossy(kind).to_lowercase();
-    let message = format!("{} {kind}: they are not supported yet, only tetrahedra are computed", list.count);
-    Err(words.error(message, "mesh the volume with tetrahedra alone"))
+    let message = format!("{} {kind}: of files of this format only tetrahedra are read", list.count);
+    Err(words
+        .error(message, "mesh the volume with tetrahedra alone; hexahedra are read from Gmsh, VTK and Abaqus files"))
 }

@@ -5,6 +5,7 @@ use super::super::{RunOptions, print, wrapped};
 use super::describe::{HexReport, parts};
 use super::{load, resolve};
 use crate::error::Error;
+use crate::fem::hexes::check_hex_shapes;
 use crate::output::report::{Selection, write_json};
 use crate::output::table::{count, figures, table, text, units};
 use crate::scenario::{Hexes, Scenario, Strategy};
@@ -30,7 +31,9 @@ pub(in super::super) fn check_hexes(scenario: &Scenario, hexes: Hexes, options: 
     let (mesh, notes) = load(scenario, hexes)?;
     let problem = resolve::resolve(scenario, hexes, mesh)?;
     resolve::check_supports(scenario, &problem)?;
-    let dofs = 3 * problem.space(&problem.mesh).points().len();
+    let space = problem.space(&problem.mesh);
+    check_hex_shapes(&space)?;
+    let dofs = 3 * space.points().len();
     let report = HexReport::of(&problem.mesh, start.elapsed().as_secs_f64());
     let mut told = format!("{}\n\n{}", scenario.title, report.table(&problem.mesh, "of hexahedra"));
     notes.iter().for_each(|note| told += &wrapped(&format!("note: {note}")));

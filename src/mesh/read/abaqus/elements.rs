@@ -21,6 +21,7 @@ const SIX_NODES: [&str; 9] = ["S6", "STRI65", "CPS6", "CPS6M", "CPE6", "CPE6M", 
 const QUADS: [&str; 14] =
     ["S4", "S4R", "S4RS", "S4RSW", "S4R5", "CPS4", "CPS4R", "CPE4", "CPE4R", "CAX4", "M3D4", "M3D4R", "R3D4", "SFM3D4"];
 const EIGHT_NODES: [&str; 10] = ["S8R", "S8R5", "CPS8", "CPS8R", "CPE8", "CPE8R", "CAX8", "M3D8", "M3D8R", "SFM3D8"];
+const NINE_NODES: [&str; 3] = ["M3D9", "M3D9R", "S9R5"];
 
 /// The kind and the number of nodes of a card's elements; `None` if they carry no stiffness here.
 pub(super) fn kind(card: &Card) -> Result<Option<(Kind, usize)>, MeshError> {
@@ -39,6 +40,7 @@ pub(super) fn kind(card: &Card) -> Result<Option<(Kind, usize)>, MeshError> {
         None if SIX_NODES.contains(&name.as_str()) => return Ok(Some((Kind::Triangle, 6))),
         None if QUADS.contains(&name.as_str()) => return Ok(Some((Kind::Quad, 4))),
         None if EIGHT_NODES.contains(&name.as_str()) => return Ok(Some((Kind::Quad, 8))),
+        None if NINE_NODES.contains(&name.as_str()) => return Ok(Some((Kind::Quad, 9))),
         None => return Ok(None),
     };
     let name: String = name.chars().take(40).collect();
