@@ -67,7 +67,7 @@ fn faults_of_medit_files_are_named_with_their_line() {
     assert_fault(&MEDIT.replace("Vertices 5", "Vertices 6"), 10, &["x is", "Corners"]);
     assert_fault(&MEDIT.replace("1 3 2 5 2", "1 3 2 9 2"), 18, &["tetrahedron 2", "node 9"]);
     assert_fault(&MEDIT.replace("Dimension\n3", "Dimension\n2"), 3, &["dimension 2"]);
-    assert_fault(&MEDIT.replace("Tetrahedra\n", "Hexahedra\n"), 16, &["hexahedra", "not supported yet"]);
+    assert_fault(&MEDIT.replace("Tetrahedra\n", "Hexahedra\n"), 16, &["hexahedra", "only tetrahedra are read"]);
     assert_fault(&MEDIT[..MEDIT.find("1 3 2 5 2").unwrap()], 18, &["end of the file", "cut off"]);
     assert_fault(&MEDIT.replace("Vertices", "Vertexes"), 19, &["Vertices is missing"]);
     let binary = parse_bytes(&[1, 0, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0]).unwrap_err();
