@@ -145,9 +145,10 @@ pub(super) fn ending(scenario: &Scenario, strategy: Strategy, report: &Report) -
             format!("{goal} is {} +- {}, exact enough", short(value, 6), short(bar, 3))
         }
         StopReason::MaxCells => asked("max_cells", stop.max_cells.map(|n| n.to_string())),
-        StopReason::MaxMemory => {
-            format!("the next step would need more than max_memory = {} bytes", stop.max_memory.unwrap_or_default())
-        }
+        StopReason::MaxMemory => match stop.max_memory {
+            Some(most) => format!("the next step would need more than max_memory = {most} bytes"),
+            None => "the next step would need more memory than is free".to_owned(),
+        },
         StopReason::Seconds => asked("seconds", stop.seconds.map(|s| s.to_string())),
         StopReason::Exact => "the estimated error is rounding".to_owned(),
         StopReason::StraightEdges => {

@@ -27,17 +27,30 @@ const RUN: [&str; 9] = [
 ];
 
 /// The files of a comparison, but for its two runs.
-const COMPARISON: [&str; 5] =
-    ["compare.txt", "error_dofs.svg", "error_seconds.svg", "error_memory.svg", "compare.json"];
+const COMPARISON: [&str; 9] = [
+    "compare.txt",
+    "error_dofs.svg",
+    "error_seconds.svg",
+    "error_memory.svg",
+    "elements_unknowns.svg",
+    "elements_cells.svg",
+    "elements_nonzeros.svg",
+    "elements_seconds.svg",
+    "compare.json",
+];
 
 /// All names that are ours in a folder of results, those that mark it last: a removal that is cut off can be taken up again.
-const FILES: [&str; 12] = [
+const FILES: [&str; 16] = [
     "view.py",
     "table.txt",
     "compare.txt",
     "error_dofs.svg",
     "error_seconds.svg",
     "error_memory.svg",
+    "elements_unknowns.svg",
+    "elements_cells.svg",
+    "elements_nonzeros.svg",
+    "elements_seconds.svg",
     "dihedral_angles.svg",
     "cell_errors.svg",
     "report.json",
@@ -47,10 +60,11 @@ const FILES: [&str; 12] = [
 ];
 
 /// The files that show that a folder is one of results, and words that they hold then.
-const MARKS: [(&str, &str); 4] = [
+const MARKS: [(&str, &str); 5] = [
     ("results.pvd", "file=\"step_"),
     ("report.json", "\"stop_reason\""),
     ("compare.json", "\"stop_reason\""),
+    ("compare.json", "\"scaled_condition\""),
     ("scenario.toml", " as it was run"),
 ];
 
