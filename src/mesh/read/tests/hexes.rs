@@ -289,7 +289,7 @@ fn other_and_mixed_cells_are_refused_with_what_fits() {
     assert_fault(
         MSH2,
         33,
-        &["element 8 is a hexahedron", "2 hexahedra and no tetrahedra", fits, "catmull-clark", "hex8"],
+        &["element 8 is a hexahedron", "2 hexahedra and no tetrahedra", fits, "catmull-clark", "hex20"],
     );
     assert_refused(super::MSH2, 28, &["2 tetrahedra", "element 8", "no hexahedra", fits, "tet10"]);
     let mixed = with_line(MSH2, 34, "9 4 2 2 2 5 6 7 9");
