@@ -18,7 +18,6 @@ use crate::output::progress::Progress;
 use crate::output::report::{PROGRAM, PhaseSeconds, Report, SCHEMA, StepRecord, StopReason};
 use crate::scenario::{Scenario, Strategy};
 use crate::subdiv::options::{Mode, Optimise, Options};
-use crate::subdiv::tet_oct::EmbedError;
 use crate::subdiv::{self, History, Weights};
 use std::time::Instant;
 
@@ -66,8 +65,7 @@ pub(super) fn simulate(
     let stop_reason = loop {
         let index = steps.len();
         let mut seconds = PhaseSeconds { refine: refine_seconds, ..PhaseSeconds::default() };
-        let smooth = timed(&mut seconds.refine, || plan.scenario.smooth.map(|s| smoothed(&mesh, s)).transpose())
-            .map_err(EmbedError::Folded)?;
+        let smooth = timed(&mut seconds.refine, || plan.scenario.smooth.map(|s| smoothed(&mesh, s)).transpose())?;
         let shown = smooth.as_ref().map_or(&mesh, |smooth| &smooth.mesh);
         let basis = smooth.as_ref().and_then(|smooth| smooth.basis.as_ref());
         let control = basis.map(|basis| Control { mesh: &mesh, basis });

@@ -1,11 +1,16 @@
 //! Analysis on smooth solids: the mesh of a step is the control mesh, and what is analysed is the mesh that smooth
 //! tetrahedral/octahedral subdivision makes of it.
 
+use super::tet_oct::check_count;
+use crate::error::Error;
+use crate::mesh::TetMesh;
 use crate::mesh::tet_oct::{OctSplit, TetOctMesh};
 use crate::mesh::weights::WeightRows;
-use crate::mesh::{MeshError, TetMesh};
 use crate::subdiv::options::{Octahedra, Smooth, SmoothBasis};
-use crate::subdiv::tet_oct::{composite, refine};
+use crate::subdiv::tet_oct::{EmbedError, composite, refine};
+
+/// Bytes that a cell takes at least when it is analysed.
+const BYTES: usize = 600;
 
 /// A control mesh subdivided for analysis.
 #[derive(Debug)]
@@ -19,20 +24,22 @@ pub(super) struct Smoothed {
 /// Subdivides a control mesh as the scenario says.
 ///
 /// # Errors
-/// [`MeshError::NotPositive`] if that inverts cells.
-pub(super) fn smoothed(control: &TetMesh, smooth: Smooth) -> Result<Smoothed, MeshError> {
+/// [`EmbedError::Folded`] if that inverts cells, [`crate::mesh::MeshError::Generator`] if there would be too many.
+pub(super) fn smoothed(control: &TetMesh, smooth: Smooth) -> Result<Smoothed, Error> {
     let split = match smooth.octahedra {
         Octahedra::Diagonal => OctSplit::Diagonal,
         Octahedra::Centroid => OctSplit::Centroid,
     };
+    check_count(control.tets().len(), smooth.steps, BYTES)?;
     let start = TetOctMesh::from(control);
     if smooth.basis == SmoothBasis::Nodes {
         let fine = (0..smooth.steps).fold(start, |mesh, _| refine(&mesh));
-        return Ok(Smoothed { mesh: fine.tetrahedra(split)?.mesh, basis: None });
+        let mesh = fine.tetrahedra(split).map_err(EmbedError::Folded)?.mesh;
+        return Ok(Smoothed { mesh, basis: None });
     }
     let (fine, rows) = composite(&start, smooth.steps);
     let basis = if split == OctSplit::Centroid { with_centroids(&fine, &rows) } else { rows };
-    Ok(Smoothed { mesh: fine.tetrahedra(split)?.mesh, basis: Some(basis) })
+    Ok(Smoothed { mesh: fine.tetrahedra(split).map_err(EmbedError::Folded)?.mesh, basis: Some(basis) })
 }
 
 /// The rows of the vertices, and after them those of the centroids of octahedra.

@@ -135,8 +135,14 @@ fn check_smooth(
     written: Option<Range<usize>>,
     adapt: Option<&Table<RawAdapt>>,
 ) -> Checked<()> {
-    if smooth.is_none() {
-        return Ok(());
+    let Some(smooth) = smooth else { return Ok(()) };
+    if smooth.basis == SmoothBasis::Control && refine.stop.relative_error.is_some() {
+        let fault = Fault::new(
+            written.unwrap_or(0..0),
+            "stops by an estimated error, which does not see what smooth functions of control points miss",
+            "not with analysis.smooth",
+        );
+        return Err(fault.help("stop by steps, max_cells or seconds, or set analysis.smooth.basis = \"nodes\""));
     }
     if let Some(goal) = adapt.and_then(|t| t.value.goal.as_ref()) {
         return Err(Fault::new(goal.span(), "does not go with analysis.smooth", "no dual problem").help("leave it out"));

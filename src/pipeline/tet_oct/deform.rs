@@ -3,6 +3,7 @@
 use super::super::resolve::with_features;
 use super::super::{RunOptions, load, print};
 use super::moves::posed;
+use super::subdivide::check_count;
 use crate::error::Error;
 use crate::mesh::TetMesh;
 use crate::mesh::read::{Shape, read_shape};
@@ -62,9 +63,12 @@ pub struct DeformReport {
     pub frames: usize,
     /// Seconds that the weights took.
     pub seconds_weights: f64,
-    /// Seconds that moving the points took, the mean over the frames.
+    /// Seconds that moving the points took, the mean over the frames; without checking that a frame is one-to-one, and writing it.
     pub seconds_frame: f64,
 }
+
+/// Bytes that a cell of the subdivided mesh takes at least.
+const BYTES: usize = 200;
 
 /// A control mesh and what is embedded in it.
 struct Setup {
@@ -139,6 +143,7 @@ fn prepare(scenario: &Deformation) -> Result<(Setup, f64), Error> {
     for pose in &scenario.poses {
         poses.push(posed(&mesh, pose)?);
     }
+    check_count(mesh.tets().len(), scenario.steps, BYTES)?;
     let clock = Instant::now();
     let embedding = Embedding::new(&TetOctMesh::from(&mesh), scenario.steps, &shape.points)?;
     let seconds = clock.elapsed().as_secs_f64();

@@ -63,8 +63,9 @@ const INTRODUCTION: &str = "\
 Written by `subsolid smoothness --markdown docs/smoothness.md`, which repeats appendix A of Schaefer, Hakenberg and Warren,
 *Smooth subdivision of tetrahedral meshes* (2004), by machine. The base cells are split linearly three times; then the matrices of one step
 of subdivision are taken around a face, an edge or a vertex of the base mesh, where the mesh looks the same at all scales. A vertex of the
-finer mesh is identified with the one at twice its distance by their linear places. Inside tetrahedra and across faces this proves how smooth the limit
-is; for edges and vertices the paper conjectures that its conditions suffice, and \"C1\" and \"pass\" mean below that they hold.
+finer mesh is identified with the one at twice its distance by their linear places. Inside tetrahedra this proves how smooth the limit
+is, and across faces for the values on the face, which are all that the 40 vertices below carry; for edges and vertices the paper conjectures that
+its conditions suffice, and \"C1\" and \"pass\" mean below that they hold.
 
 **Inside a tetrahedron** the mesh is uniform. Split and smoothing have the mask 25/48, 11/288 (twelve times) and 1/288 (six times), an
 eighth of the linear mask convolved with itself, so the limit is twice continuously differentiable (C2). `tests/tet_oct.rs` holds the masks to
@@ -175,8 +176,10 @@ fn vertex_section(vertices: &[VertexRecord], beside: &str) -> String {
         "\nThe nine with up to seven neighbours, after one step (figure 12 of the paper), with the numbers of tetrahedra at the edges from the \
          vertex:\n\n![Characteristic maps of vertices]({beside}/vertices.svg)\n\n\
          ### Those that do not pass\n\n\
-         Of all configurations with up to ten neighbours. Where the worst shape is negative the map of the three eigenvectors folds: the third bends one \
-         of the\nothers instead of being a coordinate of its own, and the fourth, often close to it, is what is missing.\n\n\
+         Of all configurations with up to ten neighbours. Where the worst shape is negative a cell of the map of the three eigenvectors is inverted. \
+         In some of\nthem, such as the first, the map folds everywhere: the third bends one of the others instead of being a coordinate of its own, and the \
+         fourth\nis what is missing. In others only cells next to the vertex are inverted, of which the limit knows nothing, so that more may pass than are \
+         counted.\n\n\
          | neighbours | number | tetrahedra at the edges | lambda1 to lambda4 | worst shape |\n|---|---|---|---|---|"
     );
     for v in vertices.iter().filter(|v| !v.random) {

@@ -1,6 +1,7 @@
 //! `subsolid subdivide --scheme tet-oct`: smooth a mesh of tetrahedra and write it.
 
 use super::super::choice::with_features;
+use super::super::forecast::free_bytes;
 use super::super::{load, print};
 use crate::error::Error;
 use crate::fem::Space;
@@ -18,6 +19,9 @@ use std::time::Instant;
 
 /// Most cells that are made.
 const MAX_CELLS: usize = 50_000_000;
+
+/// Bytes that a cell takes at least.
+const BYTES: usize = 100;
 
 /// What the command line says about a smooth subdivision of tetrahedra.
 #[derive(Debug, Clone)]
@@ -68,7 +72,7 @@ pub fn subdivide_tet_oct(command: &TetOctSubdivision) -> Result<TetOctReport, Er
     }
     let (edges, corners) = (command.edges.as_deref(), command.corners.as_deref());
     let start = with_features(file.mesh, command.feature_angle, edges, corners)?;
-    check_count(start.tets().len(), command.steps)?;
+    check_count(start.tets().len(), command.steps, BYTES)?;
     let before = start.volume();
     let mut mesh = TetOctMesh::from(&start);
     let progress = Progress::new(command.quiet);
@@ -98,14 +102,18 @@ pub fn subdivide_tet_oct(command: &TetOctSubdivision) -> Result<TetOctReport, Er
     Ok(report)
 }
 
-/// Refuses steps that would make too many cells: T' = 4 T + 8 O and O' = T + 6 O.
-fn check_count(tets: usize, steps: usize) -> Result<(), MeshError> {
+/// Refuses steps that would make too many cells, or more than fit into the memory that is free at so many bytes a cell: T' = 4 T + 8 O and
+/// O' = T + 6 O.
+pub(in super::super) fn check_count(tets: usize, steps: usize, bytes: usize) -> Result<(), MeshError> {
     let (mut now, mut octs) = (tets, 0_usize);
     for _ in 0..steps {
         (now, octs) = (4 * now + 8 * octs, now + 6 * octs);
-        if now + octs > MAX_CELLS {
+        let free = free_bytes().map_or(usize::MAX, |all| all as usize / bytes);
+        if now + octs > MAX_CELLS.min(free) {
             let message = format!(
-                "{tets} tetrahedra smoothed {steps} times are more than {MAX_CELLS} cells; ask for fewer steps"
+                "{tets} tetrahedra smoothed {steps} times are more than {} cells{}; ask for fewer steps",
+                MAX_CELLS.min(free),
+                if free < MAX_CELLS { ", all that fits into the memory that is free" } else { "" }
             );
             return Err(MeshError::Generator(message));
         }
