@@ -9,8 +9,9 @@ use subsolid::limit::{Basis, Table};
 use subsolid::mesh::generate::box_tets;
 use subsolid::mesh::hex::generate::{box_hexes, cylinder, from_tets, prism, sphere_shell, tube, tunnel};
 use subsolid::mesh::hex::{FACES, HexMesh, HexMeshParts, NONE, QuadFace};
+use subsolid::mesh::weights::WeightRows;
 use subsolid::mesh::{PatchId, RegionId};
-use subsolid::subdiv::catmull_clark::{Control, Stencils, child_lattice, interpolated, refine, split_linearly};
+use subsolid::subdiv::catmull_clark::{Control, child_lattice, interpolated, refine, split_linearly};
 use subsolid::subdiv::options::CatmullClark;
 
 const VARIANTS: [CatmullClark; 2] = [CatmullClark::Bajaj, CatmullClark::Printed];
@@ -39,7 +40,7 @@ fn noisy(count: usize, seed: usize) -> Vec<f64> {
     (0..count).map(|i| noise(i + 1_000_003 * seed)).collect()
 }
 
-fn row(stencils: &Stencils, i: usize) -> Vec<(u32, f64)> {
+fn row(stencils: &WeightRows, i: usize) -> Vec<(u32, f64)> {
     stencils.row(i).collect()
 }
 
@@ -63,7 +64,7 @@ fn regular_masks_are_those_of_the_cubic_spline() {
     let mesh = box_hexes([1.0; 3], [4; 3]).unwrap().with_creases(30.0, &[]);
     let topology = mesh.topology();
     // How many weights of each size, in units of 1/512.
-    let census = |stencils: &Stencils, i: usize| {
+    let census = |stencils: &WeightRows, i: usize| {
         let mut counts = BTreeMap::new();
         for (_, weight) in stencils.row(i) {
             assert_eq!((weight * 512.0).fract(), 0.0);

@@ -5,7 +5,8 @@ use super::Table;
 use super::ring::{Grid, Ring, Shape};
 use super::spline;
 use crate::mesh::hex::HexTopology;
-use crate::subdiv::catmull_clark::{Control, Split, Stencils};
+use crate::mesh::weights::WeightRows;
+use crate::subdiv::catmull_clark::{Control, Split};
 use crate::subdiv::options::CatmullClark;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
@@ -54,7 +55,7 @@ impl Weights {
     }
 
     /// Those of a child's ring.
-    fn child(&self, stencils: &Stencils, ring: &Ring) -> Self {
+    fn child(&self, stencils: &WeightRows, ring: &Ring) -> Self {
         let mut all = vec![0.0; self.columns * ring.vertices.len()];
         for (&v, row) in ring.vertices.iter().zip(all.chunks_exact_mut(self.columns)) {
             for (parent, weight) in stencils.row(v as usize) {
@@ -267,7 +268,7 @@ fn by_child(places: &[DVec3]) -> impl Iterator<Item = (usize, Vec<DVec3>, Vec<us
 /// A ring after one step of subdivision.
 #[derive(Debug)]
 struct Family {
-    stencils: Stencils,
+    stencils: WeightRows,
     /// The rings of the children of the first cell.
     children: Vec<Ring>,
 }

@@ -5,8 +5,8 @@
 //! applied to the ring: what powers of the matrix make of its row.
 
 use super::masks::{Control, Item, Row};
-use super::stencils::Stencils;
 use crate::mesh::hex::{HexError, HexMesh, HexTopology};
+use crate::mesh::weights::WeightRows;
 use crate::subdiv::options::CatmullClark;
 use glam::DVec3;
 
@@ -22,8 +22,8 @@ const REACHED: f64 = 1e-14;
 impl Control<'_> {
     /// The limit of each vertex, as a combination of control points.
     #[must_use]
-    pub fn limit_stencils(&self, variant: CatmullClark) -> Stencils {
-        Stencils::collect(self.corner.len(), |v, row| {
+    pub fn limit_stencils(&self, variant: CatmullClark) -> WeightRows {
+        WeightRows::collect(self.corner.len(), self.corner.len(), |v, row| {
             let star = Star::of(self, v as u32);
             row.extend(star.limit(variant).into_iter().map(|(i, weight)| (star.vertices[i as usize], weight)));
         })
@@ -148,7 +148,7 @@ pub fn interpolated(mesh: HexMesh, variant: CatmullClark) -> Result<HexMesh, Hex
 }
 
 /// Gauss-Seidel's method.
-fn control_points(limits: &Stencils, given: &[DVec3], close: f64) -> Result<Vec<DVec3>, HexError> {
+fn control_points(limits: &WeightRows, given: &[DVec3], close: f64) -> Result<Vec<DVec3>, HexError> {
     let mut points = given.to_vec();
     for _ in 0..SWEEPS {
         let (mut worst, mut at) = (0.0_f64, 0);

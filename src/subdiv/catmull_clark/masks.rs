@@ -6,8 +6,8 @@
 //! n faces and plain means at a vertex (the 2011 paper). On the boundary the rules are those of Catmull-Clark surfaces; a
 //! crease is a cubic B-spline, a corner stays.
 
-use super::stencils::Stencils;
 use crate::mesh::hex::{HexMesh, HexTopology};
+use crate::mesh::weights::WeightRows;
 use crate::subdiv::options::CatmullClark;
 
 /// What the masks depend on: the connectivity and the tags of a mesh, but no positions.
@@ -78,13 +78,13 @@ impl<'a> Control<'a> {
 
     /// The rows of all new vertices, in their order.
     #[must_use]
-    pub fn stencils(&self, variant: CatmullClark) -> Stencils {
+    pub fn stencils(&self, variant: CatmullClark) -> WeightRows {
         self.rows(|item, row| self.new_point(item, variant, row))
     }
 
     /// The rows of the vertices that plain splitting makes.
     #[must_use]
-    pub fn linear_stencils(&self) -> Stencils {
+    pub fn linear_stencils(&self) -> WeightRows {
         self.rows(|item, row| match item {
             Item::Vertex(v) => row.push((v, 1.0)),
             Item::Edge(e) => self.edge(e, 1.0, row),
@@ -93,12 +93,12 @@ impl<'a> Control<'a> {
         })
     }
 
-    fn rows(&self, of: impl Fn(Item, &mut Row) + Sync) -> Stencils {
+    fn rows(&self, of: impl Fn(Item, &mut Row) + Sync) -> WeightRows {
         let topology = self.topology;
         let vertices = self.corner.len();
         let edges = vertices + topology.edges().len();
         let faces = edges + topology.faces().len();
-        Stencils::collect(faces + self.cells.len(), |i, row| {
+        WeightRows::collect(faces + self.cells.len(), self.corner.len(), |i, row| {
             let item = match i {
                 _ if i < vertices => Item::Vertex(i as u32),
                 _ if i < edges => Item::Edge((i - vertices) as u32),

@@ -7,16 +7,15 @@
 mod limits;
 mod masks;
 mod split;
-mod stencils;
 
 pub use limits::interpolated;
 pub use masks::{Control, VertexKind};
 pub use split::{Split, child_lattice};
-pub use stencils::Stencils;
 
 use super::options::CatmullClark;
 use crate::mesh::hex::curved::split_middles;
 use crate::mesh::hex::{HexError, HexMesh, HexMeshParts};
+use crate::mesh::weights::WeightRows;
 use glam::DVec3;
 
 /// A refined solid.
@@ -26,7 +25,7 @@ pub struct RefinedSolid {
     /// the children of cell `t` are `8 t` to `8 t + 7`, in the order of its corners.
     pub mesh: HexMesh,
     /// Each of its vertices as a combination of the old ones: control values of fields are carried over by the same rows.
-    pub stencils: Stencils,
+    pub stencils: WeightRows,
 }
 
 /// One step of subdivision. Regions, groups, creases and corners follow.
