@@ -6,6 +6,7 @@ mod actions;
 mod check;
 mod deform;
 mod document;
+mod elements;
 mod error;
 mod fields;
 mod numbers;
