@@ -158,8 +158,9 @@ The tetrahedra at a vertex are the cones over a triangulation of the sphere. The
 numbering and reflection, 306 in all; above, random ones (by ten times as many flips of random edges as vertices). The matrix of the vertex
 and its neighbours is similar to a symmetric one, so its eigenvalues are real; lambda4 is the largest of the others of it and of the next ring of
 vertices, which is 1/6. A configuration passes if 1 > lambda1 >= lambda2 >= lambda3 > lambda4 and no cell of its characteristic map is inverted,
-after four steps between one and two edges of the split mesh from the vertex; that is a test at a resolution, not a proof. An edge from the vertex
-with eleven tetrahedra or more fails by itself, even where the vertex passes.
+after four steps between one and two edges of the split mesh from the vertex. Where some are, but fewer with each step, what is within three layers
+of these is subdivided further, up to eight steps. That is a test at a resolution, not a proof. An edge from the vertex with eleven or twelve
+tetrahedra does not fulfil its own condition, even where the vertex passes.
 
 | neighbours | tetrahedra | configurations | pass | lambda1 | lambda3 | least lambda3 - lambda4 | worst shape |
 |---|---|---|---|---|---|---|---|
@@ -189,11 +190,10 @@ fn vertex_section(vertices: &[VertexRecord], beside: &str) -> String {
         "\nThe nine with up to seven neighbours, after one step (figure 12 of the paper), with the numbers of tetrahedra at the edges from the \
          vertex:\n\n![Characteristic maps of vertices]({beside}/vertices.svg)\n\n\
          ### Those that do not pass\n\n\
-         Of all configurations with up to ten neighbours. \"Inverted\" is the part of the cells of the annulus that is inverted after three steps and \
-         after four.\nWhere it stays the map folds: one of the three eigenvectors bends another instead of being a coordinate of its own, or the map turns \
-         back far\nfrom the vertex. Where it falls to less than half, inverted cells gather at edges, and whether the limit folds is not decided. Where \
-         lambda3 =\nlambda4 there is no map.\n\n\
-         | neighbours | number | tetrahedra at the edges | lambda1 to lambda4 | worst shape | inverted | |\n|---|---|---|---|---|---|---|"
+         Of all configurations with up to ten neighbours. \"Inverted\" is the part of the cells of the annulus that is inverted, or has no volume, after the \
+         last two\nof the steps. Where more than half of it stays with the last step the map folds: one of the three eigenvectors bends another instead of being a \
+         coordinate of\nits own, or the map turns back far from the vertex. Else whether the limit folds is not decided. Where lambda3 =\nlambda4 there is no map.\n\n\
+         | neighbours | number | tetrahedra at the edges | lambda1 to lambda4 | worst shape | steps | inverted | |\n|---|---|---|---|---|---|---|---|"
     );
     for v in vertices.iter().filter(|v| !v.random) {
         v.failures.iter().for_each(|f| text += &failure_row(v.degree, f));
@@ -204,18 +204,19 @@ fn vertex_section(vertices: &[VertexRecord], beside: &str) -> String {
 fn failure_row(degree: usize, f: &FailedVertex) -> String {
     let valences: Vec<String> = f.valences.iter().map(ToString::to_string).collect();
     let eigenvalues: Vec<String> = f.eigenvalues.iter().map(|x| format!("{x:.4}")).collect();
-    let [before, last] = f.inverted.map(|part| format!("{:.3} %", 100.0 * part));
+    let [before, last] = f.inverted.map(|part| format!("{:.4} %", 100.0 * part));
     let verdict = match f.verdict {
         Verdict::NoMap => "lambda3 = lambda4",
         Verdict::Folds => "folds",
         Verdict::Undecided => "not decided",
     };
     format!(
-        "| {degree} | {} | {} | {} | {:.4} | {before}, {last} | {verdict} |\n",
+        "| {degree} | {} | {} | {} | {:.4} | {} | {before}, {last} | {verdict} |\n",
         f.number,
         valences.join(" "),
         eigenvalues.join(" "),
-        f.worst
+        f.worst,
+        f.steps
     )
 }
 
@@ -254,8 +255,8 @@ fn differences(report: &SmoothnessReport, count: usize, passed: usize) -> String
     for e in report.edges.iter().filter(|e| e.valence > 10 && !e.passes) {
         let _ = writeln!(
             text,
-            "- **Edges of {} tetrahedra**, which the paper does not treat, fail: rho = {:.4} exceeds lambda3 = {:.4}, so functions of frequency 2 fall more \
-             slowly than\n  the coordinate along the edge.",
+            "- **Edges of {} tetrahedra**, which the paper does not treat, do not fulfil the condition: rho = {:.4}, of functions of frequency 2, exceeds\n  \
+             lambda3 = {:.4}.",
             e.valence, e.rho, e.lambda3
         );
     }

@@ -139,7 +139,9 @@ pub struct FailedVertex {
     pub eigenvalues: [f64; 4],
     /// The worst shape of the cells of the map's annulus after the last step.
     pub worst: f64,
-    /// The parts of the cells there that are inverted after the last two steps.
+    /// Steps of subdivision.
+    pub steps: usize,
+    /// The parts of the cells there that are inverted after the last two of them.
     pub inverted: [f64; 2],
     /// What that means.
     pub verdict: Verdict,
@@ -158,10 +160,10 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    fn of(vertex: &VertexAnalysis, [before, last]: [f64; 2]) -> Self {
+    fn of(vertex: &VertexAnalysis) -> Self {
         if !vertex.has_map() {
             Self::NoMap
-        } else if last > 0.5 * before {
+        } else if vertex.map.folds() {
             Self::Folds
         } else {
             Self::Undecided
@@ -179,8 +181,9 @@ impl FailedVertex {
             valences: valences.to_vec(),
             eigenvalues: [lambda1, lambda2, lambda3, vertex.lambda4()],
             worst: vertex.map.finest().worst,
+            steps: annulus.len() - 1,
             inverted,
-            verdict: Verdict::of(vertex, inverted),
+            verdict: Verdict::of(vertex),
         }
     }
 }

@@ -17,7 +17,7 @@ use nalgebra::{DMatrix, DVector};
 pub struct CharacteristicMap {
     /// The cells after one step.
     pub mesh: TetOctMesh,
-    /// The annulus after 0, 1, ... steps.
+    /// The annulus after 0, 1, ... steps: after 4, if cells are still inverted but ever fewer, what is near these alone.
     pub annulus: Vec<Annulus>,
 }
 
@@ -31,8 +31,18 @@ pub struct Annulus {
     pub inverted: f64,
 }
 
-/// Steps of subdivision that a map is looked at after.
+/// Steps of subdivision after which all of an annulus is looked at, and most steps where cells are inverted.
 const STEPS: usize = 4;
+const MOST_STEPS: usize = 8;
+
+/// Layers of cells around inverted ones that are subdivided further.
+const NEAR: usize = 3;
+
+/// The inverted part, relative to that one step before, from which on it stays.
+const STAYS: f64 = 0.5;
+
+/// Cells with a shape below this have no volume but for rounding.
+const NO_VOLUME: f64 = 1e-12;
 
 /// Layers of cells, kept as regions: these follow subdivision, which looks at surfaces between them alone.
 const AT_THE_PLACE: RegionId = RegionId(0);
@@ -65,7 +75,14 @@ impl CharacteristicMap {
     /// Whether no cell of the annulus is inverted after all steps. Control cells may be where their limit is not.
     #[must_use]
     pub fn is_regular(&self) -> bool {
-        self.finest().worst > 0.0
+        self.finest().inverted == 0.0
+    }
+
+    /// Whether the last step left the inverted part much as it was.
+    #[must_use]
+    pub fn folds(&self) -> bool {
+        let before = self.annulus.len().checked_sub(2).map_or(0.0, |i| self.annulus[i].inverted);
+        self.finest().inverted > STAYS * before
     }
 
     /// The map with these values at the vertices of `support`, three rings around the vertex `middle`.
@@ -86,10 +103,60 @@ impl CharacteristicMap {
         // The sign of an eigenvector is free.
         let sign = volume(&levels[STEPS]).signum();
         let annulus = levels.iter().map(|mesh| annulus(mesh, sign)).collect();
+        let finest = levels.pop();
         let once = levels.swap_remove(1);
         let points = once.points().iter().map(|p| *p * sign).collect();
-        Self { mesh: once.with_points(points), annulus }
+        let mut map = Self { mesh: once.with_points(points), annulus };
+        if let Some(finest) = finest {
+            map.follow(finest, complete, sign);
+        }
+        map
     }
+
+    /// Subdivides what is near inverted cells, until none is, or their part stays.
+    fn follow(&mut self, mut mesh: TetOctMesh, mut complete: Vec<bool>, sign: f64) {
+        let mut all = pieces(&mesh).count() as f64;
+        while !self.is_regular() && !self.folds() && self.annulus.len() <= MOST_STEPS {
+            let (near, kept) = near_inverted(&mesh, &complete, sign);
+            (mesh, complete) = refined(&near, &kept);
+            all *= 8.0;
+            let found = annulus(&mesh, sign);
+            let part = pieces(&mesh).count() as f64 / all;
+            self.annulus.push(Annulus { inverted: found.inverted * part, ..found });
+        }
+    }
+}
+
+/// The cells near the inverted ones, and at which of their vertices no cell is missing.
+fn near_inverted(mesh: &TetOctMesh, complete: &[bool], sign: f64) -> (TetOctMesh, Vec<bool>) {
+    let at = |v: u32| mesh.points()[v as usize];
+    let parts = mesh.parts();
+    let mut near = vec![false; complete.len()];
+    for (t, _) in parts.tets.iter().zip(&parts.tet_regions).filter(|(_, layer)| **layer == ANNULUS) {
+        if shape(t.map(at), sign) <= NO_VOLUME {
+            t.iter().for_each(|&v| near[v as usize] = true);
+        }
+    }
+    for (o, _) in parts.octs.iter().zip(&parts.oct_regions).filter(|(_, layer)| **layer == ANNULUS) {
+        if cones(o.map(at)).into_iter().any(|cone| shape(cone, sign) <= NO_VOLUME) {
+            o.iter().for_each(|&v| near[v as usize] = true);
+        }
+    }
+    for _ in 0..NEAR {
+        let before = near.clone();
+        let cells = parts.tets.iter().map(|t| &t[..]).chain(parts.octs.iter().map(|o| &o[..]));
+        for cell in cells.filter(|cell| cell.iter().any(|&v| before[v as usize])) {
+            cell.iter().for_each(|&v| near[v as usize] = true);
+        }
+    }
+    let places: Vec<Option<DVec3>> = mesh.points().iter().zip(&near).map(|(p, near)| near.then_some(*p)).collect();
+    let mut whole = complete.to_vec();
+    let cells = parts.tets.iter().map(|t| &t[..]).chain(parts.octs.iter().map(|o| &o[..]));
+    for cell in cells.filter(|cell| cell.iter().any(|&v| !near[v as usize])) {
+        cell.iter().for_each(|&v| whole[v as usize] = false);
+    }
+    let kept = whole.iter().zip(&near).filter(|(_, near)| **near).map(|(whole, _)| *whole).collect();
+    (at_places(mesh, &places), kept)
 }
 
 /// The mesh of the reference with its cells in layers around a vertex.
@@ -165,12 +232,19 @@ fn pieces(mesh: &TetOctMesh) -> impl Iterator<Item = [DVec3; 4]> + '_ {
     let parts = mesh.parts();
     let tets = parts.tets.iter().zip(&parts.tet_regions).filter(|(_, layer)| **layer == ANNULUS);
     let octs = parts.octs.iter().zip(&parts.oct_regions).filter(|(_, layer)| **layer == ANNULUS);
-    let cones = move |o: &[u32; 6]| {
-        let p = o.map(at);
-        let centroid = p.iter().sum::<DVec3>() / 6.0;
-        OCT_FACES.map(|[i, j, k]| [centroid, p[i], p[j], p[k]])
-    };
-    tets.map(move |(t, _)| t.map(at)).chain(octs.flat_map(move |(o, _)| cones(o)))
+    tets.map(move |(t, _)| t.map(at)).chain(octs.flat_map(move |(o, _)| cones(o.map(at))))
+}
+
+/// The cones of the faces of an octahedron over its centroid.
+fn cones(p: [DVec3; 6]) -> [[DVec3; 4]; 8] {
+    let centroid = p.iter().sum::<DVec3>() / 6.0;
+    OCT_FACES.map(|[i, j, k]| [centroid, p[i], p[j], p[k]])
+}
+
+/// The volume over that of a regular tetrahedron with the longest edge.
+fn shape(p: [DVec3; 4], sign: f64) -> f64 {
+    let longest = quality::EDGES.iter().map(|&[i, j]| p[i].distance(p[j])).fold(0.0, f64::max);
+    sign * quality::volume(p) * 6.0 * 2.0_f64.sqrt() / longest.powi(3)
 }
 
 fn volume(mesh: &TetOctMesh) -> f64 {
@@ -178,15 +252,11 @@ fn volume(mesh: &TetOctMesh) -> f64 {
 }
 
 fn annulus(mesh: &TetOctMesh, sign: f64) -> Annulus {
-    let shape = |p: [DVec3; 4]| {
-        let longest = quality::EDGES.iter().map(|&[i, j]| p[i].distance(p[j])).fold(0.0, f64::max);
-        sign * quality::volume(p) * 6.0 * 2.0_f64.sqrt() / longest.powi(3)
-    };
     let (mut worst, mut inverted, mut count) = (f64::INFINITY, 0, 0);
-    for shape in pieces(mesh).map(shape) {
+    for shape in pieces(mesh).map(|p| shape(p, sign)) {
         worst = worst.min(shape);
-        inverted += usize::from(shape <= 0.0);
+        inverted += usize::from(shape <= NO_VOLUME);
         count += 1;
     }
-    Annulus { worst, inverted: f64::from(inverted as u32) / f64::from(count as u32) }
+    Annulus { worst, inverted: inverted as f64 / count.max(1) as f64 }
 }
