@@ -4,17 +4,20 @@
 //! `results.pvd` lists and the probes of `scenario.toml`. Everything else is the user's: it is never removed, and nothing
 //! is written over it.
 
+use super::checkpoint;
 use super::load::find;
 use super::quantities::probe_file;
 use super::results::step_file;
 use crate::output::OutputError;
+use crate::output::atomic::TEMPORARY;
 use crate::scenario::{MeshSource, Scenario};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
 /// The files of a run, but for its steps and probes.
-const RUN: [&str; 9] = [
+const RUN: [&str; 10] = [
+    checkpoint::FILE,
     "view.py",
     "report.json",
     "table.txt",
@@ -40,7 +43,8 @@ const COMPARISON: [&str; 9] = [
 ];
 
 /// All names that are ours in a folder of results, those that mark it last: a removal that is cut off can be taken up again.
-const FILES: [&str; 16] = [
+const FILES: [&str; 17] = [
+    checkpoint::FILE,
     "view.py",
     "table.txt",
     "compare.txt",
@@ -198,7 +202,24 @@ fn ours(folder: &Path, scenario: &Scenario) -> Result<Vec<PathBuf>, OutputError>
     names.extend(probes.iter().filter_map(toml::Value::as_table).flat_map(toml::Table::keys).map(|p| probe_file(p)));
     names.extend(FILES.map(str::to_owned));
     let there = entries(folder)?;
-    Ok(names.into_iter().map(|name| folder.join(name)).filter(|file| there.contains(file) && is_file(file)).collect())
+    let named = names.into_iter().map(|name| folder.join(name)).filter(|file| there.contains(file));
+    Ok(named.chain(abandoned(&there)).filter(|file| is_file(file)).collect())
+}
+
+/// Files that a killed run was writing.
+fn abandoned(files: &[PathBuf]) -> Vec<PathBuf> {
+    let is_ours = |file: &&PathBuf| file.file_name().is_some_and(|n| n.to_string_lossy().starts_with(TEMPORARY));
+    files.iter().filter(is_ours).cloned().collect()
+}
+
+/// Removes what a killed run was writing, before it goes on.
+///
+/// # Errors
+/// [`OutputError::Write`] names what cannot be removed.
+pub(super) fn remove_abandoned(folder: &Path) -> Result<(), OutputError> {
+    abandoned(&entries(folder)?)
+        .iter()
+        .try_for_each(|file| fs::remove_file(file).map_err(|e| OutputError::write(file, e)))
 }
 
 /// The steps that a collection lists.
