@@ -198,6 +198,8 @@ fn ours(folder: &Path, scenario: &Scenario) -> Result<Vec<PathBuf>, OutputError>
         return Ok(Vec::new());
     }
     let mut names = listed_steps(&text("results.pvd"));
+    // A killed run may have written a step that it had not listed yet.
+    names.push(step_file(names.iter().filter_map(|name| number(name)).max().map_or(0, |last| last + 1)));
     let probes = text("scenario.toml").parse::<toml::Table>().ok().and_then(|mut table| table.remove("probes"));
     names.extend(probes.iter().filter_map(toml::Value::as_table).flat_map(toml::Table::keys).map(|p| probe_file(p)));
     names.extend(FILES.map(str::to_owned));
@@ -225,11 +227,14 @@ pub(super) fn remove_abandoned(folder: &Path) -> Result<(), OutputError> {
 /// The steps that a collection lists.
 fn listed_steps(collection: &str) -> Vec<String> {
     let names = collection.split("file=\"").skip(1).filter_map(|rest| rest.split_once('"'));
-    let is_step = |name: &&str| {
-        let number = name.strip_prefix("step_").and_then(|rest| rest.strip_suffix(".vtu"));
-        number.is_some_and(|n| n.bytes().all(|b| b.is_ascii_digit()))
-    };
+    let is_step = |name: &&str| number(name).is_some();
     names.map(|(name, _)| name).filter(is_step).map(str::to_owned).collect()
+}
+
+/// The number of a step's file.
+fn number(name: &str) -> Option<usize> {
+    let digits = name.strip_prefix("step_")?.strip_suffix(".vtu")?;
+    digits.parse().ok().filter(|_| digits.bytes().all(|b| b.is_ascii_digit()))
 }
 
 fn is_file(path: &Path) -> bool {
