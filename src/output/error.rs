@@ -41,6 +41,13 @@ pub enum OutputError {
         /// The file.
         path: PathBuf,
     },
+    /// A file to be written is one that is read.
+    #[error("{path} is read by this command, and would be written over", path = path.display())]
+    #[diagnostic(help("name another file to write; nothing was computed or written"))]
+    Overwrites {
+        /// The file.
+        path: PathBuf,
+    },
     /// A field does not fit the mesh; a programming error of the caller.
     #[error("cannot write {path}: {field:?} has {got} values, the mesh asks for {want}", path = path.display())]
     Length {

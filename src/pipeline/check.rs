@@ -26,6 +26,7 @@ pub fn check(scenario: &Scenario, options: &RunOptions) -> Result<(), Error> {
     if let Some(hexes) = scenario.hexes {
         return check_hexes(scenario, hexes, options);
     }
+    options.check_targets(scenario)?;
     let start = Instant::now();
     let file = load::load(scenario)?;
     let given_groups = file.mesh.groups().len();
