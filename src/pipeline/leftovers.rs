@@ -14,8 +14,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// The files of a run, but for its steps and probes.
-const RUN: [&str; 9] = [
+const RUN: [&str; 10] = [
     "view.py",
+    "report.html",
     "report.json",
     "table.txt",
     "error_dofs.svg",
@@ -27,7 +28,8 @@ const RUN: [&str; 9] = [
 ];
 
 /// The files of a comparison, but for its two runs.
-const COMPARISON: [&str; 9] = [
+const COMPARISON: [&str; 10] = [
+    "report.html",
     "compare.txt",
     "error_dofs.svg",
     "error_seconds.svg",
@@ -40,8 +42,9 @@ const COMPARISON: [&str; 9] = [
 ];
 
 /// All names that are ours in a folder of results, those that mark it last: a removal that is cut off can be taken up again.
-const FILES: [&str; 16] = [
+const FILES: [&str; 17] = [
     "view.py",
+    "report.html",
     "table.txt",
     "compare.txt",
     "error_dofs.svg",

@@ -15,6 +15,7 @@ pub mod load;
 mod loading;
 mod look_ahead;
 mod model_error;
+mod page;
 mod passes;
 mod quantities;
 pub mod resolve;

@@ -2,6 +2,7 @@
 
 use super::leftovers;
 use super::load::find;
+use super::page::{self, PAGE};
 use super::quantities::write_probes;
 use super::resolve::Resolved;
 use super::simulate::Step;
@@ -10,6 +11,7 @@ use crate::fem;
 use crate::mesh::quality;
 use crate::output::atomic::{ensure_writable_dir, write_atomic};
 use crate::output::options::FieldName;
+use crate::output::page::{Shown, Solved, Steps};
 use crate::output::plot::{dihedral_histogram, error_histogram};
 use crate::output::report::{Report, write_json};
 use crate::output::vtk::{Fields, Values, write_vtu};
@@ -86,6 +88,7 @@ pub(super) struct Results<'a> {
     /// Minimum dihedral angles and errors of the cells of each step, for the histograms.
     angles: Vec<(String, Vec<f64>)>,
     errors: Vec<(String, Vec<f64>)>,
+    page: Option<Steps>,
 }
 
 impl<'a> Results<'a> {
@@ -100,7 +103,8 @@ impl<'a> Results<'a> {
         strategy: Strategy,
     ) -> Result<Self, Error> {
         let folder = Folder::begin(folder, scenario, strategy)?;
-        Ok(Self { folder, problem, angles: Vec::new(), errors: Vec::new() })
+        let page = page::begin(scenario, &problem.model);
+        Ok(Self { folder, problem, angles: Vec::new(), errors: Vec::new(), page })
     }
 
     /// Writes a step.
@@ -114,6 +118,16 @@ impl<'a> Results<'a> {
         }
         // Those of the last step stay.
         write_probes(&self.folder.folder, &scenario.probes, self.problem, step.analysed)?;
+        if let Some(page) = &mut self.page {
+            let solved = Solved {
+                displacement: &step.analysed.solution.displacement,
+                stress: &step.analysed.errors.nodal_stress,
+                error: &indicator,
+                quality: &angles,
+                level: step.mesh.levels(),
+            };
+            page.add(&self.folder.path(PAGE), &Shown::tetrahedra(&step.analysed.space), &solved)?;
+        }
         self.angles.push((label.clone(), angles));
         self.errors.push((label, indicator));
         Ok(())
@@ -143,15 +157,15 @@ impl<'a> Results<'a> {
         self.folder.add(fields.time, name)
     }
 
-    /// Writes what is known only at the end of the run.
-    pub(super) fn finish(self, report: &Report) -> Result<(), Error> {
+    /// Writes what is known only at the end of the run; gives what a page shows of it.
+    pub(super) fn finish(self, report: &Report) -> Result<Option<Steps>, Error> {
         self.folder.finish(report)?;
         let scenario = self.folder.scenario;
         if scenario.output.report {
             dihedral_histogram(&self.folder.path("dihedral_angles.svg"), &self.angles)?;
             error_histogram(&self.folder.path("cell_errors.svg"), &self.errors, scenario.units.energy.as_deref())?;
         }
-        Ok(())
+        Ok(self.page)
     }
 }
 

@@ -17,7 +17,7 @@ pub use subdivide::{HexSubdivision, subdivide_hexes};
 use super::RunOptions;
 use super::leftovers;
 use super::load::find;
-use super::run::{announce, conclude};
+use super::run::{announce, conclude, write_page};
 use crate::error::Error;
 use crate::mesh::hex::curved::{Round, arcs};
 use crate::mesh::hex::read::read;
@@ -40,7 +40,8 @@ pub(super) fn execute(scenario: &Scenario, hexes: Hexes, options: &RunOptions) -
     let progress = Progress::new(options.quiet);
     let plan = Loop { scenario, memory: options.memory, progress, measure: false };
     let report = simulate(&problem, &plan, &mut |step| results.step(step))?;
-    results.finish(&report)?;
+    let steps = results.finish(&report)?;
+    write_page(scenario, options, &report, steps.as_ref())?;
     conclude(scenario, options, &report, &problem.warnings)?;
     Ok(report)
 }

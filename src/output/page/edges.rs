@@ -1,0 +1,67 @@
+//! Feature edges of a surface as it is drawn.
+
+use super::shown::Shown;
+use glam::DVec3;
+
+/// A side of a face: its ends, the face, and which of its sides.
+type Side = ([u32; 2], u32, u8);
+
+/// The lines where the boundary turns by more than an angle in degrees, each a row of `order + 1` points.
+pub(super) fn features(shown: &Shown<'_>, angle: f64) -> Vec<u32> {
+    let sides = if shown.face_points <= 6 { 3 } else { 4 };
+    let faces = shown.faces.len() / shown.face_points;
+    let mut all: Vec<Side> = Vec::with_capacity(sides * faces);
+    for f in 0..faces {
+        for s in 0..sides {
+            let (line, _) = side(shown, f, s);
+            let [a, b] = [line[0], line[line.len() - 1]];
+            all.push(([a.min(b), a.max(b)], f as u32, s as u8));
+        }
+    }
+    all.sort_unstable();
+    let sharpest = angle.to_radians().cos();
+    let mut lines = Vec::new();
+    for same in all.chunk_by(|a, b| a.0 == b.0) {
+        let normal = |&(_, f, s): &Side| normal(shown, f as usize, s as usize);
+        let is_sharp = match same {
+            [a, b] => normal(a).dot(normal(b)) < sharpest,
+            _ => true,
+        };
+        if is_sharp {
+            lines.extend(side(shown, same[0].1 as usize, same[0].2 as usize).0);
+        }
+    }
+    lines
+}
+
+/// The points of a side, and those that face it: the opposite corner, or the next row of a square.
+fn side(shown: &Shown<'_>, face: usize, side: usize) -> (Vec<u32>, Vec<u32>) {
+    let own = &shown.faces[shown.face_points * face..][..shown.face_points];
+    let (next, order) = ((side + 1) % 3, shown.order());
+    let rows = order + 1;
+    let at = |i: usize, j: usize| own[i + rows * j];
+    let square = |line: &dyn Fn(usize, usize) -> u32| -> (Vec<u32>, Vec<u32>) {
+        ((0..rows).map(|i| line(i, 0)).collect(), (0..rows).map(|i| line(i, 1)).collect())
+    };
+    match (shown.face_points, side) {
+        (3, _) => (vec![own[side], own[next]], vec![own[(side + 2) % 3]]),
+        (6, _) => (vec![own[side], own[3 + side], own[next]], vec![own[(side + 2) % 3]]),
+        (_, 0) => square(&|i, d| at(i, d)),
+        (_, 1) => square(&|i, d| at(order - d, i)),
+        (_, 2) => square(&|i, d| at(order - i, order - d)),
+        _ => square(&|i, d| at(d, order - i)),
+    }
+}
+
+/// The unit normal of a face in the middle of a side.
+fn normal(shown: &Shown<'_>, face: usize, s: usize) -> DVec3 {
+    let (line, inner) = side(shown, face, s);
+    let at = |v: u32| shown.points[v as usize];
+    let i = (line.len() - 1) / 2;
+    let [a, b] = [at(line[i]), at(line[i + 1])];
+    let inward = match inner[..] {
+        [v] => at(v),
+        _ => at(inner[i]).midpoint(at(inner[i + 1])),
+    };
+    (b - a).cross(inward - a.midpoint(b)).normalize_or_zero()
+}
