@@ -107,7 +107,7 @@ pub(super) fn for_comparison(folder: &Path, names: &[&str], scenario: &Scenario)
 }
 
 /// The folders of the runs of an earlier comparison.
-fn contestants(folder: &Path) -> Vec<String> {
+pub(super) fn contestants(folder: &Path) -> Vec<String> {
     let text = fs::read_to_string(folder.join("compare.json")).unwrap_or_default();
     let listed = serde_json::from_str::<serde_json::Value>(&text).ok();
     let of = |list: &'static str, name: &'static str| {
@@ -205,7 +205,7 @@ fn ours(folder: &Path, scenario: &Scenario) -> Result<Vec<PathBuf>, OutputError>
 }
 
 /// The steps that a collection lists.
-fn listed_steps(collection: &str) -> Vec<String> {
+pub(super) fn listed_steps(collection: &str) -> Vec<String> {
     let names = collection.split("file=\"").skip(1).filter_map(|rest| rest.split_once('"'));
     let is_step = |name: &&str| {
         let number = name.strip_prefix("step_").and_then(|rest| rest.strip_suffix(".vtu"));

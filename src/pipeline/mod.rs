@@ -1,5 +1,6 @@
 //! The commands; the only room that sees every stage.
 
+pub mod again;
 mod analyse;
 pub mod check;
 pub mod choice;

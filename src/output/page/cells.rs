@@ -2,6 +2,7 @@
 
 use super::shown::Shown;
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Most tetrahedra that a page has of a step.
 pub(super) const MOST_CELLS: usize = 50_000;
@@ -10,7 +11,10 @@ pub(super) const MOST_CELLS: usize = 50_000;
 const MOST_PLACES: usize = 400_000;
 
 /// The first width of boxes that is tried, over that which would give six cells a box in a body that is a box.
-const START: f64 = 0.6;
+const START: f64 = 0.9;
+
+/// The least factor from one width to the next.
+const LEAST_GROWTH: f64 = 1.03;
 
 /// Cells to draw.
 pub(super) struct Drawn {
@@ -54,7 +58,7 @@ fn merged(shown: &Shown<'_>) -> Drawn {
         if elements.len() <= MOST_CELLS {
             return Drawn { nodes, points: 4, elements: Some(elements), merged: Some(width) };
         }
-        width *= 1.15;
+        width *= (elements.len() as f64 / MOST_CELLS as f64).cbrt().max(LEAST_GROWTH);
     }
 }
 
@@ -75,17 +79,16 @@ fn merge(shown: &Shown<'_>, lo: DVec3, hi: DVec3, width: f64) -> (Vec<u32>, Vec<
             *place
         })
         .collect();
-    let mut left: Vec<([u32; 4], u32)> = Vec::new();
-    for (t, cell) in shown.cells.as_chunks::<4>().0.iter().enumerate() {
+    let of_cell = |(t, cell): (usize, &[u32; 4])| {
         let mut own = cell.map(|v| owner[v as usize]);
         own.sort_unstable();
-        if own[0] != own[1] && own[1] != own[2] && own[2] != own[3] {
-            left.push((own, t as u32));
-        }
-    }
-    left.sort_unstable();
+        (own[0] != own[1] && own[1] != own[2] && own[2] != own[3]).then_some((own, t as u32))
+    };
+    let mut left: Vec<([u32; 4], u32)> =
+        shown.cells.as_chunks::<4>().0.par_iter().enumerate().filter_map(of_cell).collect();
+    left.par_sort_unstable();
     left.dedup_by_key(|(own, _)| *own);
-    left.sort_unstable_by_key(|(_, t)| *t);
+    left.par_sort_unstable_by_key(|(_, t)| *t);
     let of_cell = |t: u32| shown.cells[4 * t as usize..][..4].iter().map(|v| owner[*v as usize]);
     (left.iter().flat_map(|(_, t)| of_cell(*t)).collect(), left.iter().map(|(_, t)| *t).collect())
 }

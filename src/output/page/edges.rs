@@ -2,9 +2,14 @@
 
 use super::shown::Shown;
 use glam::DVec3;
+use rayon::prelude::*;
+use smallvec::{SmallVec, smallvec};
 
 /// A side of a face: its ends, the face, and which of its sides.
 type Side = ([u32; 2], u32, u8);
+
+/// Points of a side; few, so that none is put on the heap.
+type Row = SmallVec<[u32; 8]>;
 
 /// The lines where the boundary turns by more than an angle in degrees, each a row of `order + 1` points.
 pub(super) fn features(shown: &Shown<'_>, angle: f64) -> Vec<u32> {
@@ -13,12 +18,11 @@ pub(super) fn features(shown: &Shown<'_>, angle: f64) -> Vec<u32> {
     let mut all: Vec<Side> = Vec::with_capacity(sides * faces);
     for f in 0..faces {
         for s in 0..sides {
-            let (line, _) = side(shown, f, s);
-            let [a, b] = [line[0], line[line.len() - 1]];
+            let [a, b] = ends(shown, f, s);
             all.push(([a.min(b), a.max(b)], f as u32, s as u8));
         }
     }
-    all.sort_unstable();
+    all.par_sort_unstable();
     let sharpest = angle.to_radians().cos();
     let mut lines = Vec::new();
     for same in all.chunk_by(|a, b| a.0 == b.0) {
@@ -34,18 +38,31 @@ pub(super) fn features(shown: &Shown<'_>, angle: f64) -> Vec<u32> {
     lines
 }
 
+/// The ends of a side.
+fn ends(shown: &Shown<'_>, face: usize, side: usize) -> [u32; 2] {
+    let own = &shown.faces[shown.face_points * face..][..shown.face_points];
+    let order = shown.order();
+    let corners = if shown.face_points <= 6 {
+        [own[0], own[1], own[2], own[0]]
+    } else {
+        [own[0], own[order], own[own.len() - 1], own[own.len() - 1 - order]]
+    };
+    let count = if shown.face_points <= 6 { 3 } else { 4 };
+    [corners[side], corners[(side + 1) % count]]
+}
+
 /// The points of a side, and those that face it: the opposite corner, or the next row of a square.
-fn side(shown: &Shown<'_>, face: usize, side: usize) -> (Vec<u32>, Vec<u32>) {
+fn side(shown: &Shown<'_>, face: usize, side: usize) -> (Row, Row) {
     let own = &shown.faces[shown.face_points * face..][..shown.face_points];
     let (next, order) = ((side + 1) % 3, shown.order());
     let rows = order + 1;
     let at = |i: usize, j: usize| own[i + rows * j];
-    let square = |line: &dyn Fn(usize, usize) -> u32| -> (Vec<u32>, Vec<u32>) {
+    let square = |line: &dyn Fn(usize, usize) -> u32| -> (Row, Row) {
         ((0..rows).map(|i| line(i, 0)).collect(), (0..rows).map(|i| line(i, 1)).collect())
     };
     match (shown.face_points, side) {
-        (3, _) => (vec![own[side], own[next]], vec![own[(side + 2) % 3]]),
-        (6, _) => (vec![own[side], own[3 + side], own[next]], vec![own[(side + 2) % 3]]),
+        (3, _) => (smallvec![own[side], own[next]], smallvec![own[(side + 2) % 3]]),
+        (6, _) => (smallvec![own[side], own[3 + side], own[next]], smallvec![own[(side + 2) % 3]]),
         (_, 0) => square(&|i, d| at(i, d)),
         (_, 1) => square(&|i, d| at(order - d, i)),
         (_, 2) => square(&|i, d| at(order - i, order - d)),

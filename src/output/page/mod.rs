@@ -4,6 +4,7 @@
 //! as JSON, and for each step what is drawn of it. Of a step, surfaces are drawn, and inner cells up to a limit; numbers
 //! become codes of 16 bits between the least and the largest of their kind, are compressed, and stand in the page as text.
 
+mod again;
 mod cells;
 mod edges;
 mod encode;
@@ -11,6 +12,7 @@ mod pick;
 mod shown;
 mod write;
 
+pub use again::OldStep;
 pub use pick::{Mark, Steps};
 pub use shown::{Shown, Solved};
 pub use write::{PageRun, write_page};

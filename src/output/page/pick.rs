@@ -7,6 +7,7 @@ use super::shown::{Shown, Solved};
 use crate::fem::von_mises;
 use crate::output::OutputError;
 use nalgebra::Matrix3;
+use rayon::prelude::*;
 use serde::Serialize;
 use std::path::Path;
 
@@ -156,9 +157,9 @@ fn at_points(sections: &mut Sections, ids: &[u32], shown: &Shown<'_>, solved: &S
     sections.values("points", 3, &places);
     let moved: Vec<f64> = ids.iter().flat_map(|&v| solved.displacement[v as usize].to_array()).collect();
     sections.values("displacement", 3, &moved);
-    let stresses: Vec<f64> = ids
-        .iter()
-        .flat_map(|&v| {
+    let stresses: Vec<[f64; 3]> = ids
+        .par_iter()
+        .map(|&v| {
             let s = solved.stress[v as usize];
             let [xx, yy, zz, xy, yz, xz] = s;
             let principal = if s.iter().all(|x| x.is_finite()) {
@@ -169,7 +170,7 @@ fn at_points(sections: &mut Sections, ids: &[u32], shown: &Shown<'_>, solved: &S
             [von_mises(s), principal.max(), principal.min()]
         })
         .collect();
-    sections.values("stress", 3, &stresses);
+    sections.values("stress", 3, stresses.as_flattened());
 }
 
 fn in_cells(sections: &mut Sections, of: &str, solved: &Solved<'_>, cells: &[u32]) {
@@ -214,10 +215,10 @@ fn error_counts(errors: &[f64]) -> (f64, Vec<usize>) {
     if largest == 0.0 {
         return (0.0, Vec::new());
     }
-    let bin = |e: f64| (e.max(1e-9 * largest).log10() / ERROR_BIN).floor();
-    let bins = || errors.iter().filter(|e| e.is_finite()).map(|&e| bin(e));
-    let least = bins().fold(f64::INFINITY, f64::min);
+    let bin = |e: f64| (e.max(1e-9 * largest).log10() / ERROR_BIN).floor() as i32;
+    let bins: Vec<i32> = errors.par_iter().filter(|e| e.is_finite()).map(|&e| bin(e)).collect();
+    let least = bins.iter().copied().min().unwrap_or(0);
     let mut counts = vec![0; (bin(largest) - least) as usize + 1];
-    bins().for_each(|b| counts[(b - least) as usize] += 1);
-    (least * ERROR_BIN, counts)
+    bins.iter().for_each(|b| counts[(b - least) as usize] += 1);
+    (f64::from(least) * ERROR_BIN, counts)
 }

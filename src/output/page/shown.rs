@@ -2,9 +2,12 @@
 
 use crate::fem::hexes::{HexSpace, Lattice};
 use crate::fem::{Space, SymTensor};
+use crate::mesh::TetMesh;
 use crate::mesh::hex::FACES;
-use crate::mesh::topology;
+use crate::mesh::topology::{sorted3, tet_faces};
 use glam::DVec3;
+use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 use std::borrow::Cow;
 
 /// The values of a solution that are drawn: at points, and in elements.
@@ -51,7 +54,7 @@ impl<'a> Shown<'a> {
             points: Cow::Borrowed(space.points()),
             faces: mesh.faces().iter().flat_map(|f| space.face(f)).collect(),
             face_points,
-            face_cells: topology::boundary_cells(mesh.tets()),
+            face_cells: owners(mesh),
             face_patches: mesh.faces().iter().map(|f| f.patch.0).collect(),
             patches: mesh.patch_groups().iter().map(|groups| groups.iter().map(|g| g.0).collect()).collect(),
             cells: Cow::Borrowed(mesh.tets().as_flattened()),
@@ -100,8 +103,28 @@ impl<'a> Shown<'a> {
     }
 }
 
+/// The cell of each boundary face. Few cells have three vertices on the boundary: only these are looked at closely.
+fn owners(mesh: &TetMesh) -> Vec<u32> {
+    let mut outside = vec![false; mesh.points().len()];
+    mesh.faces().iter().flat_map(|f| f.vertices).for_each(|v| outside[v as usize] = true);
+    let numbers: FxHashMap<[u32; 3], u32> = mesh.faces().iter().map(|f| sorted3(f.vertices)).zip(0..).collect();
+    let near = |(t, cell): (usize, &[u32; 4])| {
+        (cell.iter().filter(|v| outside[**v as usize]).count() > 2).then_some((t as u32, *cell))
+    };
+    let near: Vec<(u32, [u32; 4])> = mesh.tets().par_iter().enumerate().filter_map(near).collect();
+    let mut owners = vec![0; mesh.faces().len()];
+    for (t, cell) in near {
+        for face in tet_faces(cell) {
+            if let Some(&f) = numbers.get(&sorted3(face)) {
+                owners[f as usize] = t;
+            }
+        }
+    }
+    owners
+}
+
 /// Places in a cell's lattice of the points of its face `k`, counter-clockwise seen from outside, row by row.
-fn face_places(order: usize, k: usize) -> impl Iterator<Item = usize> {
+pub(super) fn face_places(order: usize, k: usize) -> impl Iterator<Item = usize> {
     let side = order + 1;
     let corner = |c: usize| [c & 1, c >> 1 & 1, c >> 2].map(|b| b as i64);
     let [a, b, _, d] = FACES[k].map(corner);
