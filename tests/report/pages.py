@@ -11,6 +11,7 @@ With --approve, the pictures in approved/ are written anew; else they are compar
 import base64
 import math
 import sys
+import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -41,10 +42,12 @@ def image(page, view=0):
 
 
 def pixels(png):
-    reader = vtkPNGReader()
-    reader.SetMemoryBuffer(png)
-    reader.SetMemoryBufferLength(len(png))
-    reader.Update()
+    with tempfile.NamedTemporaryFile(suffix=".png") as file:
+        file.write(png)
+        file.flush()
+        reader = vtkPNGReader()
+        reader.SetFileName(file.name)
+        reader.Update()
     data = reader.GetOutput()
     width, height, _ = data.GetDimensions()
     return vtk_to_numpy(data.GetPointData().GetScalars()).reshape(height, width, -1)[..., :3].astype(int)
@@ -92,10 +95,9 @@ class Step:
 
     def middles(self):
         """The mean of the corners of tetrahedra, and of all points of hexahedra."""
-        grid = self.grid
-        corners = [grid.GetCell(t).GetPointIds() for t in range(grid.GetNumberOfCells())]
-        count = lambda ids: 4 if ids.GetNumberOfIds() in (4, 10) else ids.GetNumberOfIds()
-        return np.array([self.points[[ids.GetId(i) for i in range(count(ids))]].mean(axis=0) for ids in corners])
+        cells = self.grid.GetCells()
+        points = vtk_to_numpy(cells.GetConnectivityArray()).reshape(self.grid.GetNumberOfCells(), -1)
+        return self.points[points[:, :4] if points.shape[1] in (4, 10) else points].mean(axis=1)
 
 
 def near(got, want, rounding, what):
