@@ -35,7 +35,7 @@ export function ticks(lo, hi, wanted = 5) {
 /** Powers of ten in a range of logarithms; with 2 and 5 between them if these are few. */
 export function decades(lo, hi) {
   const out = [];
-  const factors = hi - lo < 1.6 ? [1, 2, 5] : [1];
+  const factors = hi - lo < 0.75 ? [1, 1.5, 2, 3, 4, 5, 6, 8] : hi - lo < 1.6 ? [1, 2, 5] : [1];
   const every = Math.max(1, Math.ceil((hi - lo) / 7));
   for (let d = Math.floor(lo); d <= Math.ceil(hi); d += every) {
     for (const f of factors) {

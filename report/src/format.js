@@ -28,7 +28,11 @@ function grouped(text) {
 /** As given: no more figures than it has, up to eight. */
 export function plain(x) {
   const size = Math.abs(x);
-  if (x !== 0 && (size < 1e-4 || size >= 1e9)) return short(x, 3);
+  if (x !== 0 && (size < 1e-4 || size >= 1e9)) {
+    const [mantissa, exponent] = Number(x.toPrecision(8)).toExponential().split("e");
+    const power = `10${superscript(Number(exponent))}`;
+    return mantissa === "1" ? power : `${mantissa.replace("-", MINUS)}·${power}`;
+  }
   return grouped(String(Number(x.toPrecision(8))));
 }
 

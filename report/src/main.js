@@ -2,10 +2,10 @@
 
 import { decades, gradient, ticks } from "./colour.js";
 import { decode } from "./decode.js";
-import { h, table } from "./dom.js";
+import { h } from "./dom.js";
 import { count, percent, plain, plural, short, vector, withUnit } from "./format.js";
 import { FIELDS, Model } from "./model.js";
-import { answers, story, unitsLine } from "./story.js";
+import { answers, story, summary } from "./story.js";
 import { View } from "./view.js";
 import { elementOf } from "./words.js";
 
@@ -38,7 +38,7 @@ function paintBar({ range: [lo, hi], diverging }, whole) {
   bar.hidden = !field;
   if (!field) return;
   const all = field.log ? decades(lo, hi) : field.whole ? ticks(lo, hi, Math.min(6, Math.max(1, hi - lo))).filter(Number.isInteger) : ticks(lo, hi, 6);
-  const word = (x) => (field.log ? short(10 ** x, 2) : plain(x));
+  const word = (x) => plain(field.log ? Number((10 ** x).toPrecision(2)) : x);
   const unit = unitOf(state.field);
   const beyond = state.robust && field.at === "point" ? ` (from ${short(whole[0], 3)} to ${short(whole[1], 3)}; beyond the bar, where 1 % of the surface lies at each end, colours are those of its ends)` : "";
   bar.append(
@@ -162,7 +162,8 @@ function note() {
 
 function caption(view) {
   const record = view.run.report.steps[view.step];
-  view.caption.textContent = `Step ${record.step} of ${view.run.report.steps.length - 1}: ${plural(record.cells, "cell")}, error ${percent(record.error.relative)}`;
+  const step = view.run.report.steps.length > 1 ? `Step ${record.step} of ${view.run.report.steps.length - 1}: ` : "";
+  view.caption.textContent = `${step}${plural(record.cells, "cell")}, error ${percent(record.error.relative)}`;
 }
 
 function picture(r) {
@@ -226,10 +227,10 @@ function theme() {
 function skeleton() {
   const steps = runs.map((run) => run.report.steps.length - 1);
   const kind = runs.length > 1 ? `Comparison of ${runs.map((r) => r.name).join(", ")}` : "Simulation report";
-  const what = `${kind} · ${runs[0].report.scenario} · ${runs[0].report.program} · ${elementOf(runs[0].scenario)}, ${plural(Math.max(...steps), "refinement step")}`;
+  const what = `${kind} · ${runs[0].report.scenario} · ${runs[0].report.program} · ${runs.length > 1 ? "" : `${elementOf(runs[0].scenario)}, `}${Math.max(...steps) ? plural(Math.max(...steps), "refinement step") : "not refined"}`;
   const links = [["asked", "Answers"], ["model", "Model"], ["warnings", "Warnings"], ["forces", "Forces"], ["convergence", "Convergence"], ["mesh", "Cells"], ["cost", "Cost"], ["repeat", "Repeat"]];
   return [
-    h("header", {}, h("div", {}, h("h1", {}, data.title), h("p", { class: "small" }, what)), theme()),
+    h("header", {}, h("div", {}, h("h1", {}, data.title), h("p", { class: "small" }, what), summary(data)), theme()),
     h("nav", { "aria-label": "Parts of this page" }, links.map(([id, name]) => h("a", { href: `#${id}` }, name))),
     h("main", {}, h("div", { class: "top" }, answers(data), h("section", { id: "model", "aria-label": "The model" })), story(data)),
   ];
@@ -252,6 +253,12 @@ async function start() {
   paintReadout();
   await set({});
   views.forEach((view) => view.render());
+  for (const [event, printed] of [["beforeprint", true], ["afterprint", false]]) {
+    window.addEventListener(event, () => views.forEach((view) => {
+      view.printed = printed;
+      view.render();
+    }));
+  }
 }
 
 /** For tests: the pictures and what can be done with them. */

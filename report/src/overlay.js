@@ -40,6 +40,8 @@ export class Overlay {
     const { view } = this;
     const { clientWidth: width, clientHeight: height } = this.element;
     if (!view.model || !width) return;
+    // Parts of the whole, so that they stay in place where a print has another size.
+    this.arrows.setAttribute("viewBox", `0 0 ${width} ${height}`);
     const screen = (p) => {
       const v = new Vector3(...p).project(view.camera);
       return [((v.x + 1) / 2) * width, ((1 - v.y) / 2) * height];
@@ -65,7 +67,11 @@ export class Overlay {
         [["x1", from[0]], ["y1", from[1]], ["x2", to[0]], ["y2", to[1]]].forEach(([k, v]) => arrow.setAttribute(k, v.toFixed(1)));
         [x, y] = pulls ? to : from;
       }
-      name.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) translate(-50%, -120%)`;
+      // Faces that look away are behind the body.
+      const away = new Vector3(...at.normal).transformDirection(view.camera.matrixWorldInverse).z < -0.05 && Math.hypot(...at.normal) > 0.5;
+      name.classList.toggle("behind", away);
+      name.style.left = `${((100 * x) / width).toFixed(2)}%`;
+      name.style.top = `${((100 * y) / height).toFixed(2)}%`;
     }
     this.drawAxes();
   }

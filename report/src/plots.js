@@ -2,7 +2,7 @@
 
 import { decades, ticks } from "./colour.js";
 import { h, s, table } from "./dom.js";
-import { count, percent, plain, plural, seconds, short, superscript, withUnit } from "./format.js";
+import { count, percent, plain, plural, seconds, short, withUnit } from "./format.js";
 
 const share = (x) => withUnit(plain(Number((100 * x).toPrecision(3))), "%");
 
@@ -12,10 +12,10 @@ function figure(title, drawing, numbers) {
   return h("figure", {}, h("figcaption", {}, title), drawing, h("details", {}, h("summary", {}, "As a table"), numbers));
 }
 
-const power = (x) => {
+export const power = (x) => {
   const d = Math.round(x);
   if (Math.abs(x - d) > 1e-9) return plain(Number((10 ** x).toPrecision(2)));
-  return d >= 0 && d < 7 ? count(10 ** d) : d < 0 && d > -4 ? String(Number((10 ** d).toPrecision(2))) : `10${superscript(d)}`;
+  return d >= 0 && d < 7 ? count(10 ** d) : plain(Number((10 ** d).toPrecision(2)));
 };
 
 function axes(x, y, labels) {

@@ -1,9 +1,9 @@
 // The parts of the page that are read.
 
 import { h, table } from "./dom.js";
-import { bytes, cleaned, count, percent, plural, seconds, short, withUnit } from "./format.js";
-import { convergence, histogram, phases } from "./plots.js";
-import { asked, balance, degreeOf, ending, trust } from "./words.js";
+import { bytes, cleaned, count, percent, plain, plural, seconds, short, withUnit } from "./format.js";
+import { convergence, histogram, phases, power } from "./plots.js";
+import { asked, balance, degreeOf, ending, trust, what } from "./words.js";
 
 const SIGNS = { good: "●", fair: "◐", poor: "○" };
 const last = (run) => run.report.steps.at(-1);
@@ -34,7 +34,8 @@ function outcome(run) {
   const rows = Object.entries(step.quantities).map(([name, q]) => {
     const unit = unitOf(scenario, units, name);
     const expected = report.expectations?.[name];
-    const note = expected ? `${expected.passed ? "as expected" : "not as expected"}: ${short(expected.expected, 6)} ± ${short(expected.allowed, 2)}` : "";
+    const met = expected && `${expected.passed ? "as expected" : "not as expected"}: ${plain(Number(expected.expected.toPrecision(6)))} ± ${plain(Number(expected.allowed.toPrecision(2)))}`;
+    const note = [what(scenario.quantities?.[name]), met].filter(Boolean).join("; ");
     const bar = q.error === undefined ? "" : ` ± ${short(q.error, 2)}`;
     return [name, withUnit(`${short(q.value, q.error === undefined ? 5 : 6)}${bar}`, unit), note];
   });
@@ -62,8 +63,17 @@ export function answers(data) {
       h("details", {}, h("summary", {}, "How it was analysed"), h("p", {}, sentences.at(-1)), h("p", {}, ending(run)))),
     several ? section("compared", "What the comparison shows", versus(data)) : null,
     section("outcome", `What came out${of}`, outcome(run), h("p", { class: "small" }, unitsLine(run))),
-    section("trust", `How far to trust it${of}`, h("p", { class: `verdict ${verdict}` }, h("span", { "aria-hidden": "true" }, SIGNS[verdict]), h("strong", {}, headline)),
+    section("trust", `How far to trust it${of}`, badge(verdict, headline),
       h("ul", {}, reasons.map((r) => h("li", {}, r)))));
+}
+
+const badge = (verdict, ...words) => h("p", { class: `verdict ${verdict}` }, h("span", { "aria-hidden": "true" }, SIGNS[verdict]), h("strong", {}, words));
+
+/** The verdict in a line, for the top of the page. */
+export function summary(data) {
+  const run = data.runs.at(-1);
+  const { verdict, headline } = trust(run);
+  return h("a", { href: "#trust", class: "summary" }, badge(verdict, data.runs.length > 1 ? `${run.name}: ` : "", headline));
 }
 
 /** Runs beside each other in a sentence and a small table. */
@@ -125,7 +135,7 @@ function histograms(run) {
   const name = (step) => `step ${step.step}`;
   const angle = histogram("Smallest angle of each cell", "degrees", pair((step, colour) => ({ name: name(step), colour, from: 0, width: 2, counts: step.quality_counts })), (x) => String(x));
   const errors = [first, end].every((step) => step.error_counts.length)
-    ? histogram("Estimated error of each cell", "energy norm", pair((step, colour) => ({ name: name(step), colour, log: true, from: step.error_from, width: 0.25, counts: step.error_counts })), (x) => short(10 ** x, 2)) : null;
+    ? histogram("Estimated error of each cell", "energy norm", pair((step, colour) => ({ name: name(step), colour, log: true, from: step.error_from, width: 0.25, counts: step.error_counts })), power) : null;
   const q = last(run).quality;
   return [h("div", { class: "figures" }, angle, errors), h("p", { class: "small" }, `Worst angle ${short(q.worst, 3)}°, mean ${short(q.average, 3)}°. At most ${count(q.max_valence)} cells meet at a vertex.${q.inverted ? ` ${plural(q.inverted, "cell")} inverted.` : ""}`)];
 }

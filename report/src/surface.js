@@ -50,7 +50,7 @@ const fragment = /* glsl */ `
     }
     if (marked && vMark > 0.5) {
       float stripe = mod(gl_FragCoord.x + (vMark > 1.5 ? gl_FragCoord.y : -gl_FragCoord.y), 11.0);
-      if (stripe < 2.6) base = mix(base, vMark > 1.5 ? loaded : held, 0.85);
+      if (stripe < 2.6) base = mix(base, vMark > 1.5 ? loaded : held, 0.7);
     }
     vec3 n = faceted ? normalize(cross(dFdx(vPlace), dFdy(vPlace))) : normalize(vNormal) * (gl_FrontFacing ? 1.0 : -1.0);
     if (n.z < 0.0) n = -n;

@@ -335,7 +335,8 @@ export class View {
     if (this.due) cancelAnimationFrame(this.due);
     this.due = null;
     if (!this.model) return;
-    this.renderer.setClearColor(new Color(getComputedStyle(document.body).getPropertyValue("--canvas").trim()), 1);
+    const ground = this.printed ? "#ffffff" : getComputedStyle(document.body).getPropertyValue("--canvas").trim();
+    this.renderer.setClearColor(new Color(ground), 1);
     this.renderer.render(this.scene, this.camera);
     this.overlay.update();
   }

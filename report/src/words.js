@@ -15,7 +15,7 @@ const ELEMENTS = {
 const SCHEMES = { sqrt3: "tetrahedral √3 subdivision", red: "splitting each cell in eight", "longest-edge": "bisection of longest edges" };
 
 const SHAPES = {
-  box: "a box", l_prism: "an L-shaped prism", "l-prism": "an L-shaped prism", fichera: "Fichera's corner", cylinder: "a cylinder",
+  box: "a box", l_prism: "an L-shaped prism", "l-prism": "an L-shaped prism", fichera: "Fichera’s corner", cylinder: "a cylinder",
   tube: "a tube", "sphere-shell": "a shell between two spheres", "plate-with-hole": "a plate with a hole", le10: "the plate of benchmark LE10",
   prism: "a prism",
 };
@@ -75,6 +75,20 @@ function acts(load, units) {
   return "a load";
 }
 
+const FIELDS = { "von-mises": "von Mises stress", displacement: "length of the displacement", ux: "displacement along x", uy: "displacement along y", uz: "displacement along z" };
+const fieldName = (f) => FIELDS[f] ?? (/^s[xyz]{2}$/.test(f) ? `stress ${f.slice(1)}` : String(f).replaceAll("-", " "));
+
+/** What a quantity is. */
+export function what(q) {
+  if (!q) return "";
+  const where = q.point ? `at ${numbers(q.point)}` : q.region ? `in region “${q.region}”` : q.within ? "in a part of the body" : q.group !== undefined || q.plane || q.box ? `over ${place(q)}` : "over the body";
+  if (q.average) return `average ${fieldName(q.average)} ${where}`;
+  if (q.maximum) return `largest ${fieldName(q.maximum)} ${where}`;
+  if (q.value) return `${fieldName(q.value)} ${where}`;
+  if (q.total) return `total ${fieldName(q.total)}${q.region || q.within ? ` ${where}` : ""}`;
+  return q.reaction ? `force of support “${q.reaction}” along ${q.component ?? "x, y, z"}` : "";
+}
+
 /** The unit vector along which a load acts on faces with this mean normal; null if it varies or is not known. */
 export function direction(load, normal) {
   const v = load?.force ?? load?.traction ?? (typeof load?.pressure === "number" ? normal.map((n) => -n * load.pressure) : null);
@@ -90,8 +104,8 @@ export function asked(run) {
   const out = [];
   if (scenario.description) out.push(scenario.description.trim());
   const materials = Object.entries(scenario.materials ?? {}).map(([name, m]) =>
-    `${name} (Young’s modulus ${withUnit(plain(m.youngs_modulus), units.stress)}, Poisson’s ratio ${number(m.poissons_ratio)})`);
-  out.push(`The body is ${body(scenario)}, of ${list(materials)}.`);
+    `“${name}” (Young’s modulus ${withUnit(plain(m.youngs_modulus), units.stress)}, Poisson’s ratio ${number(m.poissons_ratio)})`);
+  out.push(`The body is ${body(scenario)}. ${materials.length === 1 ? "Material" : "Materials"}: ${list(materials)}.`);
   const supports = Object.entries(scenario.supports ?? {}).map(([name, support]) => `${name}: ${held(support)}, at ${place(support)}`);
   out.push(supports.length ? `It is held by ${plural(supports.length, "support")}: ${supports.join("; ")}.` : "Nothing holds it.");
   const loads = Object.entries(scenario.loads ?? {}).map(([name, load]) => `${name}: ${acts(load, units)}`);

@@ -13,7 +13,7 @@ type Row = SmallVec<[u32; 8]>;
 
 /// The lines where the boundary turns by more than an angle in degrees, each a row of `order + 1` points.
 pub(super) fn features(shown: &Shown<'_>, angle: f64) -> Vec<u32> {
-    let sides = if shown.face_points <= 6 { 3 } else { 4 };
+    let sides = if shown.is_tetrahedral() { 3 } else { 4 };
     let faces = shown.faces.len() / shown.face_points;
     let mut all: Vec<Side> = Vec::with_capacity(sides * faces);
     for f in 0..faces {
@@ -42,13 +42,11 @@ pub(super) fn features(shown: &Shown<'_>, angle: f64) -> Vec<u32> {
 fn ends(shown: &Shown<'_>, face: usize, side: usize) -> [u32; 2] {
     let own = &shown.faces[shown.face_points * face..][..shown.face_points];
     let order = shown.order();
-    let corners = if shown.face_points <= 6 {
-        [own[0], own[1], own[2], own[0]]
-    } else {
-        [own[0], own[order], own[own.len() - 1], own[own.len() - 1 - order]]
-    };
-    let count = if shown.face_points <= 6 { 3 } else { 4 };
-    [corners[side], corners[(side + 1) % count]]
+    if shown.is_tetrahedral() {
+        return [own[side], own[(side + 1) % 3]];
+    }
+    let corners = [own[0], own[order], own[own.len() - 1], own[own.len() - 1 - order]];
+    [corners[side], corners[(side + 1) % 4]]
 }
 
 /// The points of a side, and those that face it: the opposite corner, or the next row of a square.
@@ -81,4 +79,38 @@ fn normal(shown: &Shown<'_>, face: usize, s: usize) -> DVec3 {
         _ => at(inner[i]).midpoint(at(inner[i + 1])),
     };
     (b - a).cross(inward - a.midpoint(b)).normalize_or_zero()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fem::Space;
+    use crate::fem::hexes::{HexSpace, Lattice};
+    use crate::fem::options::{Element, HexElement, HexOptions};
+    use crate::mesh::generate::box_tets;
+    use crate::mesh::hex::generate::box_hexes;
+
+    /// The length of the lines.
+    fn length(shown: &Shown<'_>, angle: f64) -> f64 {
+        let lines = features(shown, angle);
+        let at = |v: u32| shown.points[v as usize];
+        let line = |row: &[u32]| row.windows(2).map(|ends| at(ends[0]).distance(at(ends[1]))).sum::<f64>();
+        lines.chunks_exact(shown.order() + 1).map(line).sum()
+    }
+
+    #[test]
+    fn the_features_of_a_box_are_its_twelve_edges() {
+        let mesh = box_tets([1.0, 2.0, 3.0], [2, 2, 3]).unwrap();
+        let hexes = box_hexes([1.0, 2.0, 3.0], [2, 2, 3]).unwrap();
+        for element in [Element::Tet4, Element::Tet10] {
+            let space = Space::new(&mesh, element, &[]);
+            assert!((length(&Shown::tetrahedra(&space), 40.0) - 24.0).abs() < 1e-12);
+            assert!(length(&Shown::tetrahedra(&space), 100.0) < 1e-12);
+        }
+        for order in 1..4 {
+            let space = HexSpace::new(&hexes, HexElement::Hex8, HexOptions::default());
+            let lattice = Lattice::new(&space, order);
+            assert!((length(&Shown::hexahedra(&space, &lattice), 40.0) - 24.0).abs() < 1e-12);
+        }
+    }
 }

@@ -138,6 +138,15 @@ pub(super) fn face_places(order: usize, k: usize) -> impl Iterator<Item = usize>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fem::Space;
+    use crate::mesh::generate::box_tets;
+    use crate::mesh::topology::boundary_cells;
+
+    #[test]
+    fn faces_know_their_cells() {
+        let mesh = box_tets([1.0; 3], [3; 3]).unwrap();
+        assert_eq!(Shown::tetrahedra(&Space::linear(&mesh)).face_cells, boundary_cells(mesh.tets()));
+    }
 
     #[test]
     fn faces_of_a_lattice_have_the_corners_of_the_cell_in_order() {
