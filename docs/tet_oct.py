@@ -59,21 +59,22 @@ def measure(program, scenario, error_of):
             if is_large and cells == MESHES[scenario][-1]:
                 continue
             step = steps(program, scenario, settings(kind, k, cells))[-1]
-            found = step["free_dofs"], error_of(step), step["solver"]["nonzeros"], step["seconds"]["total"]
+            error, seconds = error_of(step), step["seconds"]["total"]
+            found = step["free_dofs"], error, step["solver"]["nonzeros"], seconds, step["error"]["relative"] / error
             curves.setdefault((kind, k), []).append((cells, *found))
             print(scenario, kind, k, cells, *found, flush=True)
-    plain = [(n, e) for _, n, e, _, _ in curves["tet4", None]]
+    plain = [(n, e) for _, n, e, *_ in curves["tet4", None]]
     rows = []
     for (kind, k), points in curves.items():
         name = "tet4" if k is None else f"{kind}, k = {k}"
         before = None
-        for cells, n, e, nonzeros, seconds in points:
+        for cells, n, e, nonzeros, seconds, estimated in points:
             order = "" if before is None else f"{-3 * math.log(e / before[1]) / math.log(n / before[0]):.2f}"
             wanted = unknowns_for(plain, e) if k is not None else None
             ratio = "" if wanted is None else f"{wanted / n:.1f}"
-            rows.append([name, cells, f"{n:,}", f"{100 * e:.2f}", order, ratio, f"{nonzeros:,}", f"{seconds:.2f}"])
+            rows.append([name, cells, f"{n:,}", f"{100 * e:.2f}", order, ratio, f"{nonzeros:,}", f"{seconds:.2f}", f"{estimated:.2f}"])
             before = n, e
-    heads = ["unknowns are", "bricks", "unknowns", "error in energy, %", "order", "tet4 needs, times", "numbers stored", "seconds"]
+    heads = ["unknowns are", "bricks", "unknowns", "error in energy, %", "order", "tet4 needs, times", "numbers stored", "seconds", "estimated / true error"]
     return table(heads, rows)
 
 

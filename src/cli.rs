@@ -170,12 +170,12 @@ pub struct Subdivide {
     /// What scheme sqrt3 does to the boundary surface; red and longest-edge keep it [default: approximating]
     #[arg(long, value_enum)]
     pub boundary: Option<BoundaryName>,
-    /// How each refined mesh is optimised for its dihedral angles
-    #[arg(long, value_enum, default_value_t = ModeName::Best)]
-    pub optimise: ModeName,
-    /// What a good cell is to the published operations
-    #[arg(long, value_enum, default_value_t = MeasureName::MinSine)]
-    pub measure: MeasureName,
+    /// How each refined mesh of tetrahedra is optimised for its dihedral angles [default: best]
+    #[arg(long, value_enum)]
+    pub optimise: Option<ModeName>,
+    /// What a good cell is to the published operations [default: min-sine]
+    #[arg(long, value_enum)]
+    pub measure: Option<MeasureName>,
     /// The .vtu file to write
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,

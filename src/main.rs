@@ -3,7 +3,7 @@
 mod cli;
 
 use clap::{CommandFactory as _, Parser as _};
-use cli::{BoundaryName, CellsName, Cli, Command, Common, ScenarioOptions, SchemeName};
+use cli::{BoundaryName, CellsName, Cli, Command, Common, MeasureName, ModeName, ScenarioOptions, SchemeName};
 use peak_alloc::PeakAlloc;
 use std::collections::BTreeSet;
 use std::io::Write as _;
@@ -109,7 +109,8 @@ fn subdivision(arguments: cli::Subdivide, scheme: Scheme) -> Subdivision {
     let quiet = is_quiet(&arguments.common);
     let cli::Subdivide { mesh, feature_angle, edges, corners, output, frames, common: Common { json, .. }, .. } =
         arguments;
-    let (mode, measure) = (arguments.optimise.into(), arguments.measure.into());
+    let mode = arguments.optimise.unwrap_or(ModeName::Best).into();
+    let measure = arguments.measure.unwrap_or(MeasureName::MinSine).into();
     if mode == Mode::Best && measure != QualityMeasure::MinSine {
         refuse("--measure is for the published operations: use it with --optimise paper");
     }
@@ -158,6 +159,7 @@ fn subdivision(arguments: cli::Subdivide, scheme: Scheme) -> Subdivision {
 /// What `subdivide` is told about hexahedra, in the library's words.
 fn hex_subdivision(arguments: cli::Subdivide) -> HexSubdivision {
     let quiet = is_quiet(&arguments.common);
+    warn_of_other_schemes(&arguments);
     let cli::Subdivide { mesh, feature_angle, edges, corners, output, common: Common { json, .. }, .. } = arguments;
     if json.as_ref() == Some(&output) {
         refuse("--json and --output name the same file");
@@ -168,8 +170,6 @@ fn hex_subdivision(arguments: cli::Subdivide) -> HexSubdivision {
     if !matches!(arguments.select, None | Some(CellsName::All)) {
         refuse("--scheme catmull-clark refines all cells: leave out --select");
     }
-    warn_if_idle("--boundary is for --scheme sqrt3", arguments.boundary.is_some());
-    warn_if_idle("--curvature-angle is for --select curvature", arguments.curvature_angle.is_some());
     HexSubdivision {
         mesh,
         steps: arguments.steps.into(),
@@ -187,6 +187,7 @@ fn hex_subdivision(arguments: cli::Subdivide) -> HexSubdivision {
 /// What `subdivide --scheme tet-oct` is told, in the library's words.
 fn tet_oct_subdivision(arguments: cli::Subdivide) -> TetOctSubdivision {
     let quiet = is_quiet(&arguments.common);
+    warn_of_other_schemes(&arguments);
     let cli::Subdivide { mesh, feature_angle, edges, corners, output, common: Common { json, .. }, .. } = arguments;
     if json.as_ref() == Some(&output) {
         refuse("--json and --output name the same file");
@@ -197,12 +198,22 @@ fn tet_oct_subdivision(arguments: cli::Subdivide) -> TetOctSubdivision {
     if !matches!(arguments.select, None | Some(CellsName::All)) {
         refuse("--scheme tet-oct refines all cells: leave out --select");
     }
-    warn_if_idle("--boundary is for --scheme sqrt3", arguments.boundary.is_some());
-    warn_if_idle("--curvature-angle is for --select curvature", arguments.curvature_angle.is_some());
     warn_if_idle("--variant is for --scheme catmull-clark", arguments.variant.is_some());
     warn_if_idle("--interpolate is for --scheme catmull-clark", arguments.interpolate);
     let steps = arguments.steps.into();
     TetOctSubdivision { mesh, steps, feature_angle, edges, corners, output, quiet, json }
+}
+
+/// Of options of schemes for tetrahedra that have steps in parts.
+fn warn_of_other_schemes(arguments: &cli::Subdivide) {
+    for (option, idle) in [
+        ("--boundary is for --scheme sqrt3", arguments.boundary.is_some()),
+        ("--curvature-angle is for --select curvature", arguments.curvature_angle.is_some()),
+        ("--optimise is for --scheme sqrt3, red and longest-edge", arguments.optimise.is_some()),
+        ("--measure is for --optimise paper", arguments.measure.is_some()),
+    ] {
+        warn_if_idle(option, idle);
+    }
 }
 
 fn warn_if_idle(option: &str, idle: bool) {

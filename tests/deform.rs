@@ -141,6 +141,9 @@ fn shapes_come_from_obj_stl_and_mesh_files() {
         "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n",
     );
     assert_eq!((stl.points.len(), stl.polygons.len()), (3, 1));
+    let bare = folder.path().join("bare.obj");
+    std::fs::write(&bare, "v 0 0 0\nv 1 0 0\n").unwrap();
+    assert!(read_shape(&bare).unwrap_err().to_string().contains("no faces"));
     let vtk = "# vtk DataFile Version 3.0\na\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 double\n0 0 0 1 0 0 0 1 0 0 0 1\n\
                CELLS 2 9\n3 0 1 2\n4 0 1 2 3\nCELL_TYPES 2\n5 10\n";
     let vtk = write("a.vtk", vtk);
@@ -164,14 +167,45 @@ fn scenarios_that_cannot_be_done_are_refused_with_their_reason() {
         ("move = [{ displacement = { x = \"1/(x - 0.5)\" } }]", 5, "displaces control point"),
         ("move = [{ group = \"z-max\" }]", 3, "moves nothing"),
         ("move = [{ group = \"z-max\", points = [1], displacement = { z = 1 } }]", 3, "beside a selector"),
+        ("move = [{ group = \"z-max\", displacement = {} }]", 3, "moves nothing"),
         ("moves = []", 3, "moves"),
         ("move = [{ displacement = { z = 1 } }]\n[features]\nangel = 3", 3, "angel"),
     ] {
         let scenario = folder.path().join("a.toml");
         std::fs::write(&scenario, head.to_owned() + pose).unwrap();
-        let (got, said, _) = deform(&scenario, folder.path(), &[]);
+        let results = folder.path().join("results");
+        let (got, said, _) = deform(&scenario, &results, &[]);
         assert!(got == code && said.contains(words), "{pose}: {got}, {said}");
+        assert!(!results.exists(), "{pose}: nothing is written");
     }
+}
+
+#[test]
+fn frames_of_an_earlier_run_are_removed() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = root().join("scenarios/deform/figure.toml");
+    for (frames, last) in [(3, 6), (1, 2)] {
+        let setting = format!("embed.frames={frames}");
+        let (code, said, _) = deform(&scenario, folder.path(), &["--set", &setting, "--set", "embed.steps=1"]);
+        let there = |frame: usize| folder.path().join(format!("frame_{frame:03}.vtu")).is_file();
+        assert!(code == 0 && there(last) && !there(last + 1), "{said}");
+    }
+}
+
+#[test]
+fn a_round_solid_follows_affine_maps() {
+    let control: TetOctMesh = (&generate::cylinder(1.0, 1.0, [3, 3]).unwrap().mesh).into();
+    let inside: Vec<DVec3> = points(500).into_iter().map(|p| p - DVec3::new(0.5, 0.5, 0.0)).collect();
+    let embedding = Embedding::new(&control, 2, &inside).unwrap();
+    let map = DAffine3::from_mat3_translation(
+        DMat3::from_cols_array(&[1.1, 0.3, 0.0, -0.2, 0.8, 0.1, 0.4, 0.0, 1.2]),
+        DVec3::new(0.3, 2.0, -1.0),
+    );
+    let mapped: Vec<DVec3> = control.points().iter().map(|p| map.transform_point3(*p)).collect();
+    let moved = embedding.places(&mapped);
+    assert!(moved.iter().zip(&inside).all(|(p, q)| p.distance(map.transform_point3(*q)) < 1e-12));
+    // The surface of the solid is inside that of its control mesh.
+    assert!(matches!(Embedding::new(&control, 2, control.points()), Err(EmbedError::Outside { .. })));
 }
 
 #[test]

@@ -6,11 +6,16 @@ use serde_json::Value;
 
 /// Runs a scenario with settings; gives its code, what it says, and its report.
 fn run(text: &str, settings: &[&str]) -> (i32, String, Value) {
+    command_of("run", text, settings)
+}
+
+/// The same of any command.
+fn command_of(word: &str, text: &str, settings: &[&str]) -> (i32, String, Value) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("s.toml");
     std::fs::write(&path, text).unwrap();
     let mut command = Command::cargo_bin("subsolid").unwrap();
-    command.current_dir(folder.path()).args(["run", "s.toml", "--json", "-", "--set", "output.vtk=false"]);
+    command.current_dir(folder.path()).args([word, "s.toml", "--json", "-", "--set", "output.vtk=false"]);
     settings.iter().for_each(|s| {
         command.args(["--set", s]);
     });
@@ -98,4 +103,58 @@ fn the_control_mesh_is_refined_red_or_not_at_all() {
         let (code, said, _) = run(CANTILEVER, &[smooth, setting]);
         assert!(code == 3 && said.contains(words), "{setting}: {code}, {said}");
     }
+}
+
+/// A known solution on the unit cube, whose sides slide.
+const CUBE: &str = "[mesh.box]\nsize = [1, 1, 1]\ncells = [4, 4, 4]\n[materials.m]\nyoungs_modulus = 1\npoissons_ratio = 0.3\n\
+                    [exact]\nsolution = \"smooth-cube\"\n[analysis]\nelement = \"tet4\"\n\
+                    [supports.x]\nany = [{ group = \"x-min\" }, { group = \"x-max\" }]\nfix = [\"x\"]\n\
+                    [supports.y]\nany = [{ group = \"y-min\" }, { group = \"y-max\" }]\nfix = [\"y\"]\n\
+                    [supports.z]\nany = [{ group = \"z-min\" }, { group = \"z-max\" }]\nfix = [\"z\"]\n";
+
+/// Smooth functions have stresses that hardly jump; their error is seen all the same.
+#[test]
+fn the_estimate_of_smooth_functions_is_that_of_their_error() {
+    for (steps, cells) in [(1, 4), (1, 8), (2, 4), (2, 8), (3, 4)] {
+        let settings =
+            [format!("analysis.smooth={{ steps = {steps} }}"), format!("mesh.box.cells=[{cells}, {cells}, {cells}]")];
+        let (code, said, report) = run(CUBE, &[&settings[0], &settings[1]]);
+        assert_eq!(code, 0, "{said}");
+        let effectivity = last(&report)["error"]["effectivity"].as_f64().unwrap();
+        assert!((0.85..1.15).contains(&effectivity), "{settings:?}: {effectivity}");
+    }
+    // So a run can stop by it.
+    let tolerance = "refine={ scheme = \"red\", stop = { relative_error = 0.3 }, steps = 3 }";
+    let (code, said, report) = run(CUBE, &["analysis.smooth={ steps = 1 }", tolerance]);
+    let error = last(&report)["error"]["true_relative"].as_f64().unwrap();
+    assert!(code == 0 && error < 0.3 && report["steps"].as_array().unwrap().len() == 2, "{error}: {said}");
+}
+
+#[test]
+fn forecasts_count_the_mesh_that_is_analysed() {
+    for smooth in ["{ steps = 2 }", "{ steps = 1, octahedra = \"centroid\" }", "{ steps = 1, basis = \"nodes\" }"] {
+        let settings = [format!("analysis.smooth={smooth}"), "refine={ scheme = \"red\", steps = 1 }".to_owned()];
+        let [check, report] =
+            ["check", "run"].map(|command| command_of(command, CUBE, &[&settings[0], &settings[1]]).2);
+        let (forecast, made) = (&check["forecast"]["steps"], &report["steps"]);
+        for step in 0..2 {
+            assert_eq!(forecast[step]["cells"], made[step]["cells"], "{smooth}");
+            assert_eq!(forecast[step]["nodes"], made[step]["nodes"], "{smooth}");
+            assert_eq!(forecast[step]["dofs"], made[step]["dofs"], "{smooth}");
+        }
+    }
+}
+
+#[test]
+fn what_has_no_effect_or_another_body_is_said() {
+    let smooth = "analysis.smooth={ steps = 1 }";
+    let red = "refine={ scheme = \"red\", steps = 0, optimise = { mode = \"paper\" } }";
+    let warnings = |text: &str, settings: &[&str]| run(text, settings).2["warnings"].to_string();
+    let said = warnings(CUBE, &[smooth, red, "adapt.grow=1"]);
+    assert!(said.contains("refine.optimise has no effect") && said.contains("[adapt] chooses cells"), "{said}");
+    let rod = "[mesh.cylinder]\nradius = 1\nlength = 2\ncells = [2, 2]\n[materials.m]\nyoungs_modulus = 1\npoissons_ratio = 0.3\n\
+               [exact]\nsolution = \"quadratic-patch\"\n[supports.all]\nnormal = { direction = [0, 0, 1], angle = 180 }\n\
+               fix = \"exact\"\n[analysis]\nelement = \"tet4\"\n";
+    let said = warnings(rod, &[smooth]);
+    assert!(said.contains("another body"), "{said}");
 }

@@ -30,10 +30,7 @@ impl FrameWriter {
     /// # Errors
     /// [`OutputError::Write`] if no files can be made or removed there.
     pub fn new(folder: &Path) -> Result<Self, OutputError> {
-        ensure_writable_dir(folder)?;
-        if folder.join(COLLECTION).is_file() {
-            remove_frames(folder).map_err(|source| OutputError::write(folder, source))?;
-        }
+        without_frames(folder)?;
         Ok(Self { folder: folder.to_owned(), files: Vec::new(), cells: Vec::new(), points: Vec::new() })
     }
 
@@ -64,6 +61,18 @@ impl FrameWriter {
         self.points = mesh.points().to_vec();
         write_pvd(&self.folder.join(COLLECTION), &self.files)
     }
+}
+
+/// Makes a folder for frames, if it is missing. Where it holds `frames.pvd` of an earlier run, that run's frames are removed.
+///
+/// # Errors
+/// [`OutputError::Write`] if no files can be made or removed there.
+pub fn without_frames(folder: &Path) -> Result<(), OutputError> {
+    ensure_writable_dir(folder)?;
+    if folder.join(COLLECTION).is_file() {
+        remove_frames(folder).map_err(|source| OutputError::write(folder, source))?;
+    }
+    Ok(())
 }
 
 /// Removes the files that are called as frames are.

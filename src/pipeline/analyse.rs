@@ -6,6 +6,7 @@ use super::resolve::Resolved;
 use super::richer;
 use super::simulate::{Plan, timed};
 use super::straight::Straight;
+use super::subspace;
 use super::tolerance::Aim;
 use crate::adapt::{self, CellErrors, GoalError, Side};
 use crate::error::Error;
@@ -56,6 +57,10 @@ pub(super) fn analyse<'m>(
     let space = timed(&mut seconds.assemble, || Space::new(mesh, plan.scenario.element, midsides));
     let name = &format!("step {index}");
     let (mut analysed, system, kept) = solved((space, control), name, problem, plan, guess, seconds)?;
+    if control.is_some() {
+        let _phase = plan.progress.phase(format!("{name}: solve {} equations of all nodes", system.free_dofs()));
+        subspace::compare(&mut analysed, &system, problem, plan, seconds)?;
+    }
     let mut richer = if analysed.errors.unresolved.is_empty() {
         None
     } else {

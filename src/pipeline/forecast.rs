@@ -6,7 +6,7 @@ use crate::fem::options::{Element, Method};
 use crate::fem::{self, FemError};
 use crate::mesh::{TetMesh, surface, topology};
 use crate::scenario::{Scenario, Strategy};
-use crate::subdiv::options::{Boundary, Mode, Scheme};
+use crate::subdiv::options::{Boundary, Mode, Octahedra, Scheme, SmoothBasis};
 use serde::Serialize;
 
 /// Resident bytes of an analysis that do not depend on the mesh, and those a cell of four nodes or of ten: of a mesh that was read or
@@ -65,20 +65,24 @@ impl Forecast {
         let mut exact = true;
         let mut steps = Vec::new();
         let end = loop {
-            steps.push(sizes.step(steps.len(), exact, scenario));
+            let shown = sizes.analysed(scenario);
+            let step = shown.step(steps.len(), exact, scenario);
+            // Unknowns of a smooth solid may be those of its control points.
+            let dofs = if is_restricted(scenario) { 3 * sizes.nodes.round() as usize } else { step.dofs };
+            steps.push(Step { dofs, ..step });
             if refine.strategy == Strategy::None {
                 break "refine.strategy = \"none\"".to_owned();
             }
             if steps.len() > refine.steps {
                 break format!("steps = {}", refine.steps);
             }
-            if let Some(most) = refine.stop.max_cells.filter(|most| sizes.cells >= *most as f64) {
+            if let Some(most) = refine.stop.max_cells.filter(|most| shown.cells >= *most as f64) {
                 break format!("max_cells = {most}");
             }
             let Some(next) = sizes.refined(scenario) else {
                 break "further steps depend on the solution: the marking is by a threshold".to_owned();
             };
-            let bytes = next.bytes(true, scenario);
+            let bytes = next.analysed(scenario).bytes(true, scenario);
             if let Some(most) = refine.stop.max_memory.filter(|most| bytes > *most as f64) {
                 break format!("max_memory = {most}, the next step would take {}", size(bytes as u64));
             }
@@ -93,6 +97,11 @@ impl Forecast {
     pub(super) fn too_large(&self) -> Option<&Step> {
         self.free_bytes.and_then(|free| self.steps.iter().find(|s| s.bytes > free))
     }
+}
+
+/// Whether the unknowns are those of the control points of a smooth solid.
+fn is_restricted(scenario: &Scenario) -> bool {
+    scenario.smooth.is_some_and(|s| s.basis == SmoothBasis::Control)
 }
 
 /// Counts of a mesh; estimates are no whole numbers.
@@ -172,6 +181,35 @@ impl Sizes {
             surface_edges: mix(self.surface_edges, all.surface_edges),
             factor: self.factor,
         })
+    }
+
+    /// The mesh that is analysed: this one, or what smooth subdivision makes of it. A step makes `T' = 4 T + 8 O` tetrahedra and
+    /// `O' = T + 6 O` octahedra. Edges are halved and faces get three new ones; inside, a tetrahedron gets four faces, an
+    /// octahedron a vertex, twelve edges and 24 faces.
+    fn analysed(&self, scenario: &Scenario) -> Self {
+        let Some(smooth) = scenario.smooth else { return *self };
+        let (mut tets, mut octs) = (self.cells, 0.0);
+        let (mut nodes, mut edges, mut faces) = (self.nodes, self.edges, (4.0 * self.cells + self.boundary) / 2.0);
+        for _ in 0..smooth.steps {
+            (nodes, edges, faces) =
+                (nodes + edges + octs, 2.0 * edges + 3.0 * faces + 12.0 * octs, 4.0 * faces + 4.0 * tets + 24.0 * octs);
+            (tets, octs) = (4.0 * tets + 8.0 * octs, tets + 6.0 * octs);
+        }
+        // Octahedra are cut around a diagonal, or around a vertex at their centroids.
+        let (cells, new_nodes, new_edges) = match smooth.octahedra {
+            Octahedra::Diagonal => (4.0, 0.0, 1.0),
+            Octahedra::Centroid => (8.0, 1.0, 6.0),
+        };
+        let finer = 4_f64.powi(smooth.steps as i32);
+        Self {
+            cells: tets + cells * octs,
+            nodes: nodes + new_nodes * octs,
+            edges: edges + new_edges * octs,
+            boundary: finer * self.boundary,
+            surface: finer * self.surface,
+            surface_edges: finer * self.surface_edges,
+            factor: self.factor,
+        }
     }
 
     /// Every edge is halved, every face gets three new edges and every cell one.

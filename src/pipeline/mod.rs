@@ -28,6 +28,7 @@ mod simulate;
 mod smooth;
 mod straight;
 pub mod subdivide;
+mod subspace;
 pub mod tet_oct;
 mod tolerance;
 pub mod variants;

@@ -67,6 +67,9 @@ pub(super) fn simulate(
         let mut seconds = PhaseSeconds { refine: refine_seconds, ..PhaseSeconds::default() };
         let smooth = timed(&mut seconds.refine, || plan.scenario.smooth.map(|s| smoothed(&mesh, s)).transpose())?;
         let shown = smooth.as_ref().map_or(&mesh, |smooth| &smooth.mesh);
+        if index == 0 && problem.exact.is_some() && smooth.is_some() {
+            warnings.extend(other_solid(mesh.volume(), shown.volume()));
+        }
         let basis = smooth.as_ref().and_then(|smooth| smooth.basis.as_ref());
         let control = basis.map(|basis| Control { mesh: &mesh, basis });
         let mut analysed = analyse(index, (shown, control), problem, plan, guess.as_deref(), &mut seconds)?;
@@ -124,6 +127,9 @@ pub(super) fn simulate(
     })
 }
 
+/// Relative difference of the volumes of one body.
+const SAME_VOLUME: f64 = 1e-6;
+
 /// Part of the error above which data that the elements do not see count as most of it.
 const MOSTLY: f64 = 0.5;
 
@@ -150,6 +156,15 @@ fn refine(step: &Step<'_>, history: &History, plan: &Plan<'_>, input: usize) -> 
     let first = if plan.strategy == Strategy::Global { refined.mesh.points().len() } else { input };
     let optimised = subdiv::optimise_error(&refined.mesh, &weights, options.optimise.passes, first)?;
     Ok((optimised.mesh, refined.history.renumbered(&optimised.kept)))
+}
+
+/// What is to be said if a smooth solid is another one than that of its mesh, for which a solution is known.
+fn other_solid(mesh: f64, smooth: f64) -> Option<String> {
+    ((smooth / mesh - 1.0).abs() > SAME_VOLUME).then(|| {
+        format!(
+            "[exact]: the smooth solid has the volume {smooth:.6}, its mesh {mesh:.6}: errors against the known solution are those of another body"
+        )
+    })
 }
 
 /// The next control mesh of a smooth solid.

@@ -1,14 +1,14 @@
 //! Keys as written -> checked values.
 
 use super::document::Document;
-use super::elements::{SMOOTH_ERRORS, check_smooth, elements, locking, midside, smooth};
+use super::elements::{check_smooth, elements, locking, midside, smooth};
 use super::error::Fault;
 use super::numbers::{Checked, integer, outside, positive, vector, within};
 use super::raw::*;
 use super::spanned::Spanned;
 use super::*;
 use crate::output::options::{FieldName, PublishedStep};
-use crate::subdiv::options::{Boundary, Mode, Objective, Optimise, QualityMeasure, Scheme, SmoothBasis};
+use crate::subdiv::options::{Boundary, Mode, Objective, Optimise, QualityMeasure, Scheme};
 use std::ops::Range;
 
 /// Most refinement steps a scenario may ask for.
@@ -40,14 +40,20 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
     let midside = midside(midside_key, element)?;
     let has_goal = raw.adapt.as_ref().is_some_and(|t| t.value.goal.is_some());
     let written = raw.refine.as_ref().map(|t| t.span.clone());
+    let optimises = raw.refine.as_ref().is_some_and(|t| t.value.optimise.is_some());
     let refine = refine(raw.refine.map(|t| t.value), hexes, has_goal, &mut warnings)?;
     check_smooth(smooth, &refine, written, raw.adapt.as_ref())?;
-    if smooth.is_some_and(|s| s.basis == SmoothBasis::Control) {
-        warnings.push(SMOOTH_ERRORS.to_owned());
-    }
     let asked = refine.stop.relative_error.is_some();
-    if hexes.is_some() && raw.adapt.as_ref().is_some_and(|t| t.value.steers()) {
-        warnings.push("[adapt] is for tetrahedra: hexahedra are refined globally, it has no effect here".to_owned());
+    if raw.adapt.as_ref().is_some_and(|t| t.value.steers()) {
+        if hexes.is_some() {
+            warnings
+                .push("[adapt] is for tetrahedra: hexahedra are refined globally, it has no effect here".to_owned());
+        } else if smooth.is_some() {
+            warnings.push("[adapt] chooses cells: of a smooth solid all are refined, it has no effect here".to_owned());
+        }
+    }
+    if smooth.is_some() && optimises {
+        warnings.push("refine.optimise has no effect on the control mesh of a smooth solid".to_owned());
     }
     let adapt = adapt(raw.adapt.map(|t| t.value).unwrap_or_default(), asked, &quantities, &supports)?;
     Ok(Scenario {

@@ -128,6 +128,11 @@ fn checked(raw: RawDeformation, path: &Path) -> Checked<Deformation> {
         let help = "add [[pose]] with move = [{ group = \"z-max\", displacement = { z = 1 } }]";
         return Err(Fault::new(0..0, "the scenario has no [[pose]]", "no [[pose]] in this file").help(help));
     }
+    if let Some(midside) = raw.mesh.as_ref().and_then(|m| m.value.midside.as_ref()) {
+        return Err(
+            Fault::new(midside.span(), "is for ten-node elements", "a control mesh has none").help("remove this")
+        );
+    }
     let whole = |n: Option<Integer>, range, default| n.map_or(Ok(default), |n| integer(&n, range));
     let mut deformation = Deformation {
         path: path.to_owned(),
@@ -155,6 +160,9 @@ fn checked_move(Table { span, value: mut raw }: Table<RawMove>) -> Checked<Move>
         let fault = Fault::new(span, "moves nothing", "which displacement?");
         return Err(fault.help("add displacement = { x = 0.1, z = \"0.2*x\" }; directions that are left out stay"));
     };
+    if [&given.value.x, &given.value.y, &given.value.z].iter().all(|x| x.is_none()) {
+        return Err(Fault::new(given.span, "moves nothing", "in which direction?").help("add x, y or z"));
+    }
     let mut displacement = [Field::ZERO, Field::ZERO, Field::ZERO];
     for (slot, x) in displacement.iter_mut().zip([&given.value.x, &given.value.y, &given.value.z]) {
         if let Some(x) = x {

@@ -5,7 +5,7 @@ use super::numbers::{Checked, integer};
 use super::raw::*;
 use super::spanned::Spanned;
 use super::*;
-use crate::subdiv::options::{Scheme, SmoothBasis};
+use crate::subdiv::options::Scheme;
 use std::ops::Range;
 
 /// The element of tetrahedra, and that of hexahedra if it is one.
@@ -41,10 +41,6 @@ pub(super) fn elements(raw: Option<RawAnalysis>, body: &MeshSource) -> Checked<(
     Ok((kind.unwrap_or_default(), kind.err().map(|element| Hexes { element, options, curved: false, interpolate })))
 }
 
-/// What the error estimate sees of smooth functions.
-pub(super) const SMOOTH_ERRORS: &str = "errors are estimated from the jumps of the stress between the cells of the subdivided mesh, which smooth functions \
-                             hardly have: with analysis.smooth.basis = \"control\" they are mostly too small";
-
 /// `analysis.smooth`.
 pub(super) fn smooth(raw: Option<Table<RawSmooth>>, analysis: Option<&RawAnalysis>) -> Checked<Option<Smooth>> {
     let Some(Table { span, value: raw }) = raw else { return Ok(None) };
@@ -64,14 +60,8 @@ pub(super) fn check_smooth(
     written: Option<Range<usize>>,
     adapt: Option<&Table<RawAdapt>>,
 ) -> Checked<()> {
-    let Some(smooth) = smooth else { return Ok(()) };
-    if smooth.basis == SmoothBasis::Control && refine.stop.relative_error.is_some() {
-        let fault = Fault::new(
-            written.unwrap_or(0..0),
-            "stops by an estimated error, which does not see what smooth functions of control points miss",
-            "not with analysis.smooth",
-        );
-        return Err(fault.help("stop by steps, max_cells or seconds, or set analysis.smooth.basis = \"nodes\""));
+    if smooth.is_none() {
+        return Ok(());
     }
     if let Some(goal) = adapt.and_then(|t| t.value.goal.as_ref()) {
         return Err(Fault::new(goal.span(), "does not go with analysis.smooth", "no dual problem").help("leave it out"));

@@ -80,7 +80,8 @@ impl CellErrors {
     /// The part of eta that stands for data which the elements do not see.
     #[must_use]
     pub fn unseen(&self) -> f64 {
-        self.unseen.iter().sum::<f64>().sqrt()
+        // From zero: the sum of nothing is -0.
+        self.unseen.iter().fold(0.0, |sum, e| sum + e).sqrt()
     }
 
     /// eta / sqrt(2 U + eta^2) with the strain energy U = u.K.u / 2 of the solution; 0 where nothing is strained, NaN

@@ -100,8 +100,21 @@ pub enum AnyMesh {
 /// As [`read_with`] and [`hexes::read`].
 pub fn read_any(path: &Path) -> Result<AnyMesh, HexError> {
     let (format, raw) = open(path)?;
+    either(path, format, raw, Edges::Straight)
+}
+
+/// Reads a mesh of either kind from the content of a file; `path` is for messages, and says where files lie that the content names.
+///
+/// # Errors
+/// As [`read_any`].
+pub fn read_any_from(path: &Path, content: &[u8], edges: Edges) -> Result<AnyMesh, HexError> {
+    let (format, raw) = lists(path, content, content.len() as u64)?;
+    either(path, format, raw, edges)
+}
+
+fn either(path: &Path, format: &'static str, raw: Raw, edges: Edges) -> Result<AnyMesh, HexError> {
     if raw.hexes.nodes.is_empty() {
-        return Ok(AnyMesh::Tets(Box::new(build::build(path, format, raw, Edges::Straight)?)));
+        return Ok(AnyMesh::Tets(Box::new(build::build(path, format, raw, edges)?)));
     }
     Ok(AnyMesh::Hexes(Box::new(hexes::build(path, format, raw)?)))
 }

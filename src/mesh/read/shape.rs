@@ -29,15 +29,24 @@ pub fn read_shape(path: &Path) -> Result<Shape, MeshError> {
     let shape = match () {
         () if is("obj") => obj(path)?,
         () if is("stl") => stl(path)?,
-        () => of_mesh(path)?,
+        () => of_mesh(path).map_err(with_shapes)?,
     };
     let problem = |message: String| Err(error_at(path, Place::Line(1), message, HELP));
     if shape.points.is_empty() {
-        return problem("the file has no points".to_owned());
+        let of_faces = if is("obj") { "faces: the points of OBJ files are those of their faces" } else { "points" };
+        return problem(format!("the file has no {of_faces}"));
     }
     match shape.points.iter().position(|p| !p.is_finite()) {
         Some(point) => problem(format!("point {point} is not at a finite position")),
         None => Ok(shape),
+    }
+}
+
+/// The error with the formats of shapes beside those of meshes.
+fn with_shapes(error: MeshError) -> MeshError {
+    match error {
+        MeshError::UnknownFormat { path, message } => error_at(&path, Place::Line(1), message, HELP),
+        other => other,
     }
 }
 

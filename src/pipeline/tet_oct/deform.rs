@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::mesh::TetMesh;
 use crate::mesh::read::{Shape, read_shape};
 use crate::mesh::tet_oct::TetOctMesh;
-use crate::output::atomic::ensure_writable_dir;
+use crate::output::frames::without_frames;
 use crate::output::options::Compression;
 use crate::output::progress::Progress;
 use crate::output::pvd::write_pvd;
@@ -63,8 +63,10 @@ pub struct DeformReport {
     pub frames: usize,
     /// Seconds that the weights took.
     pub seconds_weights: f64,
-    /// Seconds that moving the points took, the mean over the frames; without checking that a frame is one-to-one, and writing it.
+    /// Seconds that moving the points took, the mean over the frames.
     pub seconds_frame: f64,
+    /// Seconds that the check took that a frame is one-to-one, the mean over the frames.
+    pub seconds_check: f64,
 }
 
 /// Bytes that a cell of the subdivided mesh takes at least.
@@ -86,19 +88,20 @@ struct Setup {
 /// [`Error::Mesh`] if a file cannot be read, [`Error::Embed`] if points lie outside, [`Error::Deform`] if a frame is not
 /// one-to-one or a move not possible, [`Error::Output`].
 pub fn deform(scenario: &Deformation, options: &RunOptions) -> Result<DeformReport, Error> {
-    let folder = options.output.clone().unwrap_or_else(|| PathBuf::from("results").join(scenario.name()));
-    ensure_writable_dir(&folder)?;
     let progress = Progress::new(options.quiet);
     let phase = progress.phase("weights".to_owned());
     let (setup, seconds_weights) = prepare(scenario)?;
+    phase.say("check the frames".to_owned());
+    let clock = Instant::now();
+    // All before the first is written.
+    frames(scenario, &setup.poses).try_for_each(|(_, name, control)| one_to_one(&setup.embedding, name, &control))?;
+    let checking = clock.elapsed().as_secs_f64();
     drop(phase);
+    let folder = options.output.clone().unwrap_or_else(|| PathBuf::from("results").join(scenario.name()));
+    without_frames(&folder)?;
     let (mut files, mut moving) = (Vec::new(), 0.0);
-    for (time, name, control) in frames(scenario, &setup.poses) {
+    for (time, _, control) in frames(scenario, &setup.poses) {
         let _phase = progress.phase(format!("frame {}", files.len()));
-        let (inverted, cells) = setup.embedding.inverted(&control);
-        if inverted > 0 {
-            return Err(DeformError::Folds { name, inverted, cells }.into());
-        }
         let clock = Instant::now();
         let places = setup.embedding.places(&control);
         moving += clock.elapsed().as_secs_f64();
@@ -115,23 +118,33 @@ pub fn deform(scenario: &Deformation, options: &RunOptions) -> Result<DeformRepo
         frames: files.len(),
         seconds_weights,
         seconds_frame: moving / files.len() as f64,
+        seconds_check: checking / files.len() as f64,
     };
     if let Some(path) = &options.json {
         write_json(path, &report)?;
     }
     if !options.quiet {
         print(&format!(
-            "{}\n{} points in {} control points; weights made in {:.3} s, a frame moved in {:.2} ms\n{} frames in {}\n",
+            "{}\n{} points in {} control points; weights made in {:.3} s, a frame moved in {:.2} ms \
+             and checked in {:.2}\n{} frames in {}\n",
             scenario.title,
             report.points,
             report.control_points,
             report.seconds_weights,
             1e3 * report.seconds_frame,
+            1e3 * report.seconds_check,
             report.frames,
             folder.join("frames.pvd").display()
         ))?;
     }
     Ok(report)
+}
+
+fn one_to_one(embedding: &Embedding, name: String, control: &[DVec3]) -> Result<(), DeformError> {
+    match embedding.inverted(control) {
+        (0, _) => Ok(()),
+        (inverted, cells) => Err(DeformError::Folds { name, inverted, cells }),
+    }
 }
 
 /// Reads and embeds everything; gives the seconds that the weights took.

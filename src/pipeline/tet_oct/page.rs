@@ -1,6 +1,6 @@
 //! What `subsolid smoothness` prints, and the page that it writes.
 
-use super::smoothness::{EdgeRecord, FaceRecord, SmoothnessReport, VertexRecord};
+use super::smoothness::{EdgeRecord, FaceRecord, FailedVertex, SmoothnessReport, Verdict, VertexRecord};
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -10,8 +10,8 @@ pub(super) fn summary(report: &SmoothnessReport, folder: &Path) -> String {
     let mut text = format!(
         "faces: eigenvalues 1, 1/2 x3, 1/4 x6 to {:.1e}; joint spectral radius below {} with {} factors\n",
         face_deviation(face),
-        face.factors.map_or_else(|| "nothing".to_owned(), |k| format!("{:.4} < 1/4", face.bounds[k - 1])),
-        face.factors.unwrap_or(face.bounds.len()),
+        face.at.factors.map_or_else(|| "nothing".to_owned(), |k| format!("{:.4} < 1/4", face.at.bounds[k - 1])),
+        face.at.factors.unwrap_or(face.at.bounds.len()),
     );
     for edge in &report.edges {
         // Writing to a string cannot fail.
@@ -63,9 +63,8 @@ const INTRODUCTION: &str = "\
 Written by `subsolid smoothness --markdown docs/smoothness.md`, which repeats appendix A of Schaefer, Hakenberg and Warren,
 *Smooth subdivision of tetrahedral meshes* (2004), by machine. The base cells are split linearly three times; then the matrices of one step
 of subdivision are taken around a face, an edge or a vertex of the base mesh, where the mesh looks the same at all scales. A vertex of the
-finer mesh is identified with the one at twice its distance by their linear places. Inside tetrahedra this proves how smooth the limit
-is, and across faces for the values on the face, which are all that the 40 vertices below carry; for edges and vertices the paper conjectures that
-its conditions suffice, and \"C1\" and \"pass\" mean below that they hold.
+finer mesh is identified with the one at twice its distance by their linear places. Inside tetrahedra and across faces this proves how smooth the
+limit is; for edges and vertices the paper conjectures that its conditions suffice, and \"C1\" and \"pass\" mean below that they hold.
 
 **Inside a tetrahedron** the mesh is uniform. Split and smoothing have the mask 25/48, 11/288 (twelve times) and 1/288 (six times), an
 eighth of the linear mask convolved with itself, so the limit is twice continuously differentiable (C2). `tests/tet_oct.rs` holds the masks to
@@ -76,26 +75,38 @@ fn face_section(face: &FaceRecord) -> String {
     let mut text = format!(
         "## Across a face: C2\n\n\
          Eigenvalues of the 19 vertices around one on the face: 1, 1/2 (three times), 1/4 (six times) to {:.1e}, then {:.4}. A patch of the \
-         face,\ntwo triangles, depends on {} vertices; its four matrices map quadratic polynomials to quadratic polynomials (residual {:.1e}). Bounds on \
-         the\njoint spectral radius of what is left, from products of k matrices in the infinity norm and an orthonormal basis:\n\n\
+         face,\ntwo triangles, has values that depend on {} vertices; those in the cells at it, and so the derivatives across the face, depend on {}. \
+         Its four\nmatrices map quadratic polynomials to quadratic polynomials (residuals {:.1e} and {:.1e}). Bounds on the joint spectral radius of what is \
+         left,\nfrom products of k matrices in the infinity norm and an orthonormal basis:\n\n\
          | k |",
         face_deviation(face),
         face.eigenvalues[10],
-        face.support,
-        face.quadratics,
+        face.on.support,
+        face.at.support,
+        face.on.quadratics,
+        face.at.quadratics,
     );
-    (1..=face.bounds.len()).for_each(|k| text += &format!(" {k} |"));
+    let factors = face.on.bounds.len().max(face.at.bounds.len());
+    (1..=factors).for_each(|k| text += &format!(" {k} |"));
     text += "\n|---|";
-    face.bounds.iter().for_each(|_| text += "---|");
-    text += "\n| bound |";
-    face.bounds.iter().for_each(|bound| text += &format!(" {bound:.3} |"));
-    text += &match face.factors {
-        Some(k) => format!(
-            "\n\nFrom k = {k} it is below 1/4, by {:.3} there: the limit is C2 across faces.\n",
-            0.25 - face.bounds[k - 1]
-        ),
-        None => "\n\nNone of these is below 1/4.\n".to_owned(),
-    };
+    (1..=factors).for_each(|_| text += "---|");
+    for (name, patch) in [("on the patch", &face.on), ("in the cells at it", &face.at)] {
+        text += &format!("\n| {name} |");
+        let bound = |k: usize| patch.bounds.get(k).map_or_else(|| "-".to_owned(), |bound| format!("{bound:.3}"));
+        (0..factors).for_each(|k| text += &format!(" {} |", bound(k)));
+    }
+    text += "\n\n";
+    for (name, patch) in [("On the patch", &face.on), ("In the cells at it", &face.at)] {
+        text += &match patch.factors {
+            Some(k) => format!(
+                "{name} {k} factors suffice for a bound below 1/4, with a margin of {:.4}. ",
+                0.25 - patch.bounds[k - 1]
+            ),
+            None => format!("{name} no bound is below 1/4. "),
+        };
+    }
+    text.truncate(text.trim_end().len());
+    text.push('\n');
     text
 }
 
@@ -107,8 +118,8 @@ the edge, that along it is 1/2, lambda3 the smaller one. rho is the largest spec
 joint spectral radius; the bound from above is the one with k factors, and has to be below lambda3. The leading eigenvectors of frequencies 2
 and up do not change along the edge, so both matrices have them in common, and their eigenvalues count as they are; \"direct k\" is what is
 needed where they are left in the blocks. How many factors it takes depends on the norm; here it is the infinity norm in an orthonormal basis of each
-block. The worst shape is that of the cells of the characteristic map after two steps (volume over that of a
-regular tetrahedron with the longest edge; negative if one is inverted).
+block. The worst shape is that of the cells of the characteristic map (volume over that of a regular tetrahedron with the longest edge; negative if one
+is inverted), after four steps in the annulus between one and two edges of the split mesh from the middle: the map repeats itself at all scales.
 
 | n | lambda1 | lambda3 | rho | bound | k | direct k | lambda3 - bound | worst shape | C1 |
 |---|---|---|---|---|---|---|---|---|---|
@@ -129,7 +140,7 @@ fn edge_section(edges: &[EdgeRecord], beside: &str) -> String {
             or_none(e.factors),
             or_none(e.direct_factors),
             e.lambda3 - e.bound,
-            e.worst[2],
+            e.worst,
             if e.passes { "yes" } else { "not shown" },
         );
     }
@@ -145,8 +156,11 @@ const VERTICES: &str = "\
 
 The tetrahedra at a vertex are the cones over a triangulation of the sphere. There are 1, 1, 2, 5, 14, 50 and 233 with 4 to 10 vertices, up to
 numbering and reflection, 306 in all; above, random ones (by ten times as many flips of random edges as vertices). The matrix of the vertex
-and its neighbours is similar to a symmetric one, so its eigenvalues are real. A configuration passes if 1 > lambda1 >= lambda2 >= lambda3 >
-lambda4 and no cell of its characteristic map is inverted after two steps.
+and its neighbours is similar to a symmetric one, so its eigenvalues are real; lambda4 is the largest of the others of it and of the next ring of
+vertices, which is 1/6. A configuration passes if 1 > lambda1 >= lambda2 >= lambda3 > lambda4 and no cell of its characteristic map is inverted,
+after four steps between one and two edges of the split mesh from the vertex. Where some are, but fewer with each step, what is within three layers
+of these is subdivided further, up to eight steps. That is a test at a resolution, not a proof. An edge from the vertex with eleven or twelve
+tetrahedra does not fulfil its own condition, even where the vertex passes.
 
 | neighbours | tetrahedra | configurations | pass | lambda1 | lambda3 | least lambda3 - lambda4 | worst shape |
 |---|---|---|---|---|---|---|---|
@@ -176,38 +190,45 @@ fn vertex_section(vertices: &[VertexRecord], beside: &str) -> String {
         "\nThe nine with up to seven neighbours, after one step (figure 12 of the paper), with the numbers of tetrahedra at the edges from the \
          vertex:\n\n![Characteristic maps of vertices]({beside}/vertices.svg)\n\n\
          ### Those that do not pass\n\n\
-         Of all configurations with up to ten neighbours. Where the worst shape is negative a cell of the map of the three eigenvectors is inverted. \
-         In some of\nthem, such as the first, the map folds everywhere: the third bends one of the others instead of being a coordinate of its own, and the \
-         fourth\nis what is missing. In others only cells next to the vertex are inverted, of which the limit knows nothing, so that more may pass than are \
-         counted.\n\n\
-         | neighbours | number | tetrahedra at the edges | lambda1 to lambda4 | worst shape |\n|---|---|---|---|---|"
+         Of all configurations with up to ten neighbours. \"Inverted\" is the part of the cells of the annulus that is inverted, or has no volume, after the \
+         last two\nof the steps. Where more than half of it stays with the last step the map folds: one of the three eigenvectors bends another instead of being a \
+         coordinate of\nits own, or the map turns back far from the vertex. Else whether the limit folds is not decided. Where lambda3 =\nlambda4 there is no map.\n\n\
+         | neighbours | number | tetrahedra at the edges | lambda1 to lambda4 | worst shape | steps | inverted | |\n|---|---|---|---|---|---|---|---|"
     );
     for v in vertices.iter().filter(|v| !v.random) {
-        for f in &v.failures {
-            let valences: Vec<String> = f.valences.iter().map(ToString::to_string).collect();
-            let eigenvalues: Vec<String> = f.eigenvalues.iter().map(|x| format!("{x:.4}")).collect();
-            let (degree, number) = (v.degree, f.number);
-            let _ = writeln!(
-                text,
-                "| {degree} | {number} | {} | {} | {:.4} |",
-                valences.join(" "),
-                eigenvalues.join(" "),
-                f.worst
-            );
-        }
+        v.failures.iter().for_each(|f| text += &failure_row(v.degree, f));
     }
     text
+}
+
+fn failure_row(degree: usize, f: &FailedVertex) -> String {
+    let valences: Vec<String> = f.valences.iter().map(ToString::to_string).collect();
+    let eigenvalues: Vec<String> = f.eigenvalues.iter().map(|x| format!("{x:.4}")).collect();
+    let [before, last] = f.inverted.map(|part| format!("{:.4} %", 100.0 * part));
+    let verdict = match f.verdict {
+        Verdict::NoMap => "lambda3 = lambda4",
+        Verdict::Folds => "folds",
+        Verdict::Undecided => "not decided",
+    };
+    format!(
+        "| {degree} | {} | {} | {} | {:.4} | {} | {before}, {last} | {verdict} |\n",
+        f.number,
+        valences.join(" "),
+        eigenvalues.join(" "),
+        f.worst,
+        f.steps
+    )
 }
 
 fn differences(report: &SmoothnessReport, count: usize, passed: usize) -> String {
     let edge = |n: usize| report.edges.iter().find(|e| e.valence == n);
     let mut text = "## Where this differs from the paper\n\n".to_owned();
-    if let Some(k) = report.face.factors {
+    if let Some(k) = report.face.on.factors {
         let _ = writeln!(
             text,
             "- **Faces.** The paper prints a bound of 0.238 from 9 factors, in a basis that it does not give; here {:.3} from {k}. The conclusion is \
-             the same.",
-            report.face.bounds[k - 1]
+             the same,\n  and the cells at the face, which the paper's 40 vertices leave out, confirm it.",
+            report.face.on.bounds[k - 1]
         );
     }
     if let Some(e) = edge(3).filter(|e| e.passes) {
@@ -234,17 +255,25 @@ fn differences(report: &SmoothnessReport, count: usize, passed: usize) -> String
     for e in report.edges.iter().filter(|e| e.valence > 10 && !e.passes) {
         let _ = writeln!(
             text,
-            "- **Edges of {} tetrahedra**, which the paper does not treat, fail: rho = {:.4} exceeds lambda3 = {:.4}, so functions of frequency 2 fall more \
-             slowly than\n  the coordinate along the edge.",
+            "- **Edges of {} tetrahedra**, which the paper does not treat, do not fulfil the condition: rho = {:.4}, of functions of frequency 2, exceeds\n  \
+             lambda3 = {:.4}.",
             e.valence, e.rho, e.lambda3
         );
     }
+    let failures = || report.vertices.iter().filter(|v| !v.random).flat_map(|v| &v.failures);
+    let of = |verdict: Verdict| failures().filter(|f| f.verdict == verdict).count();
+    let random = || report.vertices.iter().filter(|v| v.random);
+    let (random_count, random_passed): (usize, usize) = random().fold((0, 0), |(c, p), v| (c + v.count, p + v.passed));
     let _ = writeln!(
         text,
         "- **Vertices.** The paper reports that all configurations \"for valences 4 through 10\" and random ones above pass. With valence as the number of \
-         tetrahedra\n  these are the nine with up to seven neighbours, which pass here too. Of all {count} with up to ten neighbours, {passed} pass; the \
-         {} others,\n  all with eight neighbours or more, are listed above, most of them with maps that fold.",
-        count - passed
+         tetrahedra\n  these are the nine with up to seven neighbours, which pass here too. Of all {count} with up to ten neighbours, {passed} pass; of the \
+         {} others,\n  all with eight neighbours or more, {} fold, {} have lambda3 = lambda4 and {} are not decided. Of {random_count} random ones above, \
+         {random_passed} pass.",
+        count - passed,
+        of(Verdict::Folds),
+        of(Verdict::NoMap),
+        of(Verdict::Undecided),
     );
     text
 }

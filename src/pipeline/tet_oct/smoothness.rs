@@ -12,7 +12,7 @@ use crate::output::progress::Progress;
 use crate::output::report::write_json;
 use crate::output::vtk::{Fields, Values, write_vtu};
 use crate::subdiv::tet_oct::smoothness::{
-    CharacteristicMap, EdgeAnalysis, FaceAnalysis, VertexAnalysis, analyse_edge, analyse_face, analyse_vertex,
+    CharacteristicMap, EdgeAnalysis, FaceAnalysis, Patch, VertexAnalysis, analyse_edge, analyse_face, analyse_vertex,
     random_sphere, spheres,
 };
 use rayon::prelude::*;
@@ -20,8 +20,9 @@ use serde::Serialize;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-/// Most factors of the products at a face and along an edge.
-const FACE_FACTORS: usize = 8;
+/// Most factors of the products on a face, in the cells at it, and along an edge.
+const ON_FACE_FACTORS: usize = 8;
+const AT_FACE_FACTORS: usize = 6;
 const EDGE_FACTORS: usize = 12;
 
 /// Valences of the edges, and numbers of neighbours of the vertices: all triangulations, and random ones.
@@ -62,7 +63,16 @@ pub struct SmoothnessReport {
 pub struct FaceRecord {
     /// Eigenvalues, descending.
     pub eigenvalues: Vec<f64>,
-    /// Vertices that a patch depends on.
+    /// The values on a patch of the face.
+    pub on: PatchRecord,
+    /// The values in all cells at it.
+    pub at: PatchRecord,
+}
+
+/// A patch of the face.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PatchRecord {
+    /// Vertices that it depends on.
     pub support: usize,
     /// How far quadratic polynomials are from being mapped to such.
     pub quadratics: f64,
@@ -89,8 +99,8 @@ pub struct EdgeRecord {
     pub factors: Option<usize>,
     /// Factors needed where common eigenvectors of other frequencies stay in the remainder.
     pub direct_factors: Option<usize>,
-    /// The worst shapes of the cells of the map, after 0, 1 and 2 steps.
-    pub worst: [f64; 3],
+    /// The worst shape of the cells of the map's annulus after the last step.
+    pub worst: f64,
     /// Whether all conditions hold.
     pub passes: bool,
 }
@@ -112,7 +122,7 @@ pub struct VertexRecord {
     pub lambda3: [f64; 2],
     /// The least difference of lambda3 and lambda4.
     pub gap: f64,
-    /// The worst shape of the cells of the maps after two steps.
+    /// The worst shape of the cells of the maps' annuli after the last step.
     pub worst: f64,
     /// Those that fail.
     pub failures: Vec<FailedVertex>,
@@ -127,18 +137,70 @@ pub struct FailedVertex {
     pub valences: Vec<usize>,
     /// lambda1 to lambda4.
     pub eigenvalues: [f64; 4],
-    /// The worst shape of the cells of the map after two steps.
+    /// The worst shape of the cells of the map's annulus after the last step.
     pub worst: f64,
+    /// Steps of subdivision.
+    pub steps: usize,
+    /// The parts of the cells there that are inverted after the last two of them.
+    pub inverted: [f64; 2],
+    /// What that means.
+    pub verdict: Verdict,
+}
+
+/// Why a vertex does not pass.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// lambda3 is as large as lambda4: there is no map.
+    NoMap,
+    /// The inverted part of the map stays with another step.
+    Folds,
+    /// It falls: whether the limit folds is not decided.
+    Undecided,
+}
+
+impl Verdict {
+    fn of(vertex: &VertexAnalysis) -> Self {
+        if !vertex.has_map() {
+            Self::NoMap
+        } else if vertex.map.folds() {
+            Self::Folds
+        } else {
+            Self::Undecided
+        }
+    }
+}
+
+impl FailedVertex {
+    fn of(number: usize, valences: &[usize], vertex: &VertexAnalysis) -> Self {
+        let annulus = &vertex.map.annulus;
+        let inverted = [2, 1].map(|back| annulus[annulus.len() - back].inverted);
+        let [lambda1, lambda2, lambda3] = [1, 2, 3].map(|k| vertex.eigenvalues[k]);
+        Self {
+            number,
+            valences: valences.to_vec(),
+            eigenvalues: [lambda1, lambda2, lambda3, vertex.lambda4()],
+            worst: vertex.map.finest().worst,
+            steps: annulus.len() - 1,
+            inverted,
+            verdict: Verdict::of(vertex),
+        }
+    }
 }
 
 impl From<&FaceAnalysis> for FaceRecord {
     fn from(face: &FaceAnalysis) -> Self {
+        Self { eigenvalues: face.eigenvalues.clone(), on: (&face.on).into(), at: (&face.at).into() }
+    }
+}
+
+impl From<&Patch> for PatchRecord {
+    fn from(patch: &Patch) -> Self {
         Self {
-            eigenvalues: face.eigenvalues.clone(),
-            support: face.support,
-            quadratics: face.quadratics,
-            bounds: face.bounds.clone(),
-            factors: face.factors(),
+            support: patch.support,
+            quadratics: patch.quadratics,
+            bounds: patch.bounds.clone(),
+            factors: patch.factors(),
         }
     }
 }
@@ -155,7 +217,7 @@ impl From<&EdgeAnalysis> for EdgeRecord {
             bound: shown.max(edge.common),
             factors: edge.factors(),
             direct_factors: edge.direct_factors(),
-            worst: edge.map.worst,
+            worst: edge.map.finest().worst,
             passes: edge.passes(),
         }
     }
@@ -180,15 +242,8 @@ impl VertexRecord {
             lambda1: range(1),
             lambda3: range(3),
             gap: least(&VertexAnalysis::gap),
-            worst: least(&|a| a.map.worst[2]),
-            failures: failed
-                .map(|(number, (valences, a))| FailedVertex {
-                    number,
-                    valences: valences.clone(),
-                    eigenvalues: [1, 2, 3, 4].map(|k| a.eigenvalues[k]),
-                    worst: a.map.worst[2],
-                })
-                .collect(),
+            worst: least(&|a| a.map.finest().worst),
+            failures: failed.map(|(number, (valences, a))| FailedVertex::of(number, valences, a)).collect(),
         }
     }
 }
@@ -202,7 +257,7 @@ pub fn smoothness(command: &Smoothness) -> Result<SmoothnessReport, Error> {
     ensure_writable_dir(&command.output)?;
     let progress = Progress::new(command.quiet);
     let phase = progress.phase("faces".to_owned());
-    let face = analyse_face(FACE_FACTORS);
+    let face = analyse_face(ON_FACE_FACTORS, AT_FACE_FACTORS);
     drop(phase);
     let mut edges = Vec::new();
     for valence in VALENCES {
@@ -248,7 +303,7 @@ pub fn smoothness(command: &Smoothness) -> Result<SmoothnessReport, Error> {
 
 /// Writes a map, unless it inverts cells; gives its picture.
 fn write_map(folder: &Path, name: &str, title: String, map: &CharacteristicMap) -> Result<Option<Panel>, Error> {
-    if map.worst[1] <= 0.0 {
+    if !map.is_regular() {
         return Ok(None);
     }
     let Tetrahedra { mesh, octs } = map.mesh.untagged()?;

@@ -209,5 +209,5 @@ fn map(reference: &Reference, valence: usize, centre: &Place, lambda1: f64) -> C
     let half = (0..wide.support.len()).map(|i| wide.height(i).abs()).fold(0.0, f64::max);
     let values: Vec<DVec3> =
         (0..wide.support.len()).map(|i| DVec3::new(x[i] / radius, y[i] / radius, wide.height(i) / half)).collect();
-    CharacteristicMap::new(reference, &wide.support, &values)
+    CharacteristicMap::new(reference, middle, &wide.support, &values)
 }

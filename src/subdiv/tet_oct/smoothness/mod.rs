@@ -14,7 +14,7 @@ mod spheres;
 mod vertex;
 
 pub use edge::{EdgeAnalysis, analyse_edge};
-pub use face::{FaceAnalysis, analyse_face};
-pub use map::CharacteristicMap;
+pub use face::{FaceAnalysis, Patch, analyse_face};
+pub use map::{Annulus, CharacteristicMap};
 pub use spheres::{Sphere, random_sphere, spheres};
 pub use vertex::{VertexAnalysis, analyse_vertex};

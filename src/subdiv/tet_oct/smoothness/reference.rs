@@ -64,6 +64,16 @@ impl Reference {
         &self.rings[v]
     }
 
+    /// The vertices of the cells that have `least` of some vertices or more, ascending.
+    pub fn of_cells_at(&self, vertices: &[u32], least: usize) -> Vec<u32> {
+        let cells = self.mesh.tets().iter().map(|t| &t[..]).chain(self.mesh.octs().iter().map(|o| &o[..]));
+        let at = |cell: &&[u32]| cell.iter().filter(|v| vertices.contains(v)).count() >= least;
+        let mut found: Vec<u32> = cells.filter(at).flatten().copied().collect();
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
     /// What lies within `steps` cells of some vertices, ascending.
     pub fn around(&self, vertices: &[u32], steps: usize) -> Vec<u32> {
         let mut found = vertices.to_vec();

@@ -2,6 +2,7 @@
 
 use super::map::{CharacteristicMap, extended};
 use super::reference::{Place, Reference, UNITS};
+use super::spectrum::moduli;
 use super::spheres::Sphere;
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
@@ -11,6 +12,9 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 pub struct VertexAnalysis {
     /// Eigenvalues of the matrix of the vertex and its neighbours, which are real, by descending absolute value; the first is 1.
     pub eigenvalues: Vec<f64>,
+    /// The largest absolute value of the other eigenvalues of the matrix that has the next ring of vertices too. Those of rings
+    /// farther out are zero: what is three or more steps away depends on what is nearer alone.
+    pub next_ring: f64,
     /// How far this matrix is from the symmetric one that it is similar to.
     pub asymmetry: f64,
     /// The map of the eigenvectors 1 to 3.
@@ -18,16 +22,28 @@ pub struct VertexAnalysis {
 }
 
 impl VertexAnalysis {
+    /// The fourth eigenvalue after the first, of both rings.
+    #[must_use]
+    pub fn lambda4(&self) -> f64 {
+        self.eigenvalues[4].abs().max(self.next_ring)
+    }
+
     /// By how much the third eigenvalue after the first exceeds the fourth.
     #[must_use]
     pub fn gap(&self) -> f64 {
-        self.eigenvalues[3].abs() - self.eigenvalues[4].abs()
+        self.eigenvalues[3].abs() - self.lambda4()
     }
 
-    /// Whether the eigenvalues are in the order 1 > lambda1 >= lambda2 >= lambda3 > lambda4, and the map inverts no cell.
+    /// Whether 1 > lambda1 >= lambda2 >= lambda3 > lambda4: whether there are three leading eigenvectors, and no more.
+    #[must_use]
+    pub fn has_map(&self) -> bool {
+        self.eigenvalues[1] < 1.0 && self.eigenvalues[3] > 0.0 && self.gap() > 1e-12
+    }
+
+    /// Whether there is a map, and it inverts no cell.
     #[must_use]
     pub fn passes(&self) -> bool {
-        self.eigenvalues[1] < 1.0 && self.eigenvalues[3] > 0.0 && self.gap() > 1e-12 && self.map.is_regular()
+        self.has_map() && self.map.is_regular()
     }
 }
 
@@ -49,17 +65,31 @@ pub fn analyse_vertex(link: &Sphere) -> VertexAnalysis {
     order.sort_by(|&i, &j| eigen.eigenvalues[j].abs().total_cmp(&eigen.eigenvalues[i].abs()));
     let eigenvalues: Vec<f64> = order.iter().map(|&i| eigen.eigenvalues[i]).collect();
 
+    let two = reference.around(&ring, 1);
+    let outer = outside(&reference.matrix(&two, &centre), &places_in(&two, &ring));
+    let next_ring = moduli(&outer).first().copied().unwrap_or(0.0);
+
     let wide = reference.around(&[middle], 3);
     let wide_matrix = reference.matrix(&wide, &centre);
-    let inner: Vec<usize> = ring.iter().filter_map(|v| wide.binary_search(v).ok()).collect();
+    let inner = places_in(&wide, &ring);
     let coordinates = [1, 2, 3].map(|k| {
         let vector: DVector<f64> = eigen.eigenvectors.column(order[k]).into_owned();
         let values: Vec<f64> = vector.iter().zip(&scales).map(|(x, scale)| x / scale).collect();
         extended(&wide_matrix, &inner, &values, eigenvalues[k])
     });
     let values = rounded(&coordinates);
-    let map = CharacteristicMap::new(&reference, &wide, &values);
-    VertexAnalysis { eigenvalues, asymmetry, map }
+    let map = CharacteristicMap::new(&reference, middle, &wide, &values);
+    VertexAnalysis { eigenvalues, next_ring, asymmetry, map }
+}
+
+/// Where some of the vertices of an ascending list are in it.
+fn places_in(all: &[u32], some: &[u32]) -> Vec<usize> {
+    some.iter().filter_map(|v| all.binary_search(v).ok()).collect()
+}
+
+/// A matrix without some rows and columns.
+fn outside(matrix: &DMatrix<f64>, without: &[usize]) -> DMatrix<f64> {
+    matrix.clone().remove_rows_at(without).remove_columns_at(without)
 }
 
 /// The numbers d with d_i m_ij / d_j symmetric, if there are any: from the middle, which is a neighbour of all.
