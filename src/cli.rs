@@ -24,7 +24,7 @@ const FORMATS: &str = "Formats, found from the content: Gmsh MSH 2.2 and 4.1 (te
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Solve scenarios: solve, estimate, refine, repeat; write VTK files and report.json
+    /// Solve scenarios: solve, estimate, refine, repeat; write VTK files, report.json and report.html
     Run {
         /// Scenario files (TOML)
         #[arg(required = true, value_name = "SCENARIO")]
@@ -74,6 +74,13 @@ pub enum Command {
         /// Write the results of each scenario into a folder in this one [default: they are not written]
         #[arg(long, value_name = "DIR")]
         output: Option<PathBuf>,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Write the page of results that are there, report.html, again
+    Report {
+        /// Folder that `run` or `compare` has written
+        folder: PathBuf,
         #[command(flatten)]
         common: Common,
     },

@@ -16,7 +16,7 @@ use subsolid::pipeline::inspect::{Inspection, inspect};
 use subsolid::pipeline::subdivide::{Subdivision, subdivide};
 use subsolid::pipeline::tet_oct::{Smoothness, TetOctSubdivision, deform, smoothness, subdivide_tet_oct};
 use subsolid::pipeline::verify::{Verification, verify};
-use subsolid::pipeline::{MemoryProbe, RunOptions, check, compare, interrupt, run, variants};
+use subsolid::pipeline::{MemoryProbe, RunOptions, again, check, compare, interrupt, run, variants};
 use subsolid::scenario::{Deformation, Scenario};
 use subsolid::subdiv::options::{Mode, Optimise, Options, QualityMeasure, Scheme};
 
@@ -74,6 +74,10 @@ fn main() -> ExitCode {
             set_threads(&common);
             let quiet = is_quiet(&common);
             finish(verify(&Verification { folder, markdown, output, json: common.json, quiet, memory: MEMORY }))
+        }
+        Command::Report { folder, common } => {
+            set_threads(&common);
+            finish(again::report(&folder, is_quiet(&common)))
         }
         Command::Check { scenario, common, scenario_options } => {
             one(&scenario, &common, &scenario_options, check::check)

@@ -434,3 +434,39 @@ fn the_report_repeats_what_was_said_before_the_run() {
     assert_eq!(report["warnings"].as_array().unwrap().iter().filter(lock).count(), 1, "{report:#}");
     assert_eq!(stdout.matches("incompressible").count(), 1, "{stdout}");
 }
+
+/// The arrays of a page: the texts of its steps.
+fn page_arrays(page: &Path) -> Vec<String> {
+    let text = std::fs::read_to_string(page).unwrap();
+    text.lines().filter(|line| line.starts_with("<script type=\"text/plain\" id=\"step-")).map(str::to_owned).collect()
+}
+
+#[test]
+fn pages_do_not_depend_on_threads_and_are_written_again() {
+    let folder = folder();
+    let at = |file: &str| folder.path().join(file);
+    let command = |arguments: &[&str]| {
+        let (code, _, stderr) = subsolid(folder.path(), arguments);
+        assert_eq!(code, Some(0), "{stderr}");
+    };
+    for threads in ["1", "2"] {
+        command(&["run", "bent.toml", "--quiet", "--threads", threads, "--output", threads]);
+    }
+    let arrays = page_arrays(&at("1/report.html"));
+    assert_eq!((arrays.len(), &arrays), (3, &page_arrays(&at("2/report.html"))));
+
+    command(&["report", "1", "--quiet"]);
+    let again = page_arrays(&at("1/report.html"));
+    assert!(again.len() == 3 && again[0] == arrays[0]);
+
+    command(&["compare", "bent.toml", "--quiet", "--set", "refine.steps=1", "--repeat", "1"]);
+    let both = page_arrays(&at("results/bent/report.html"));
+    command(&["report", "results/bent", "--quiet"]);
+    let again = page_arrays(&at("results/bent/report.html"));
+    assert!(both.len() == 4 && again.len() == 4 && both[0] == again[0]);
+
+    command(&["run", "bent.toml", "--quiet", "--set", "output.report=false", "--output", "none"]);
+    assert!(!names(&at("none")).contains(&"report.html".to_owned()));
+    let (code, _, stderr) = subsolid(folder.path(), &["report", "none"]);
+    assert!(code == Some(6) && stderr.contains("no results"), "{code:?} {stderr}");
+}

@@ -48,6 +48,17 @@ pub enum OutputError {
         /// The file.
         path: PathBuf,
     },
+    /// Results are not such that a page can show them.
+    #[error("cannot show {path}: {why}", path = path.display())]
+    #[diagnostic(help(
+        "name a folder that `subsolid run` or `subsolid compare` has written, or run the scenario again"
+    ))]
+    NotShown {
+        /// The file or folder.
+        path: PathBuf,
+        /// What is missing or unknown.
+        why: String,
+    },
     /// A field does not fit the mesh; a programming error of the caller.
     #[error("cannot write {path}: {field:?} has {got} values, the mesh asks for {want}", path = path.display())]
     Length {

@@ -155,7 +155,7 @@ impl Shown {
 
 /// The places of the lattice (x fastest) in the order of VTK's Lagrange hexahedra: corners, edges, faces, inside
 /// (`vtkHigherOrderHexahedron::PointIndexFromIJK`, as files before version 2.1 have it).
-fn vtk_places(order: usize) -> Vec<usize> {
+pub(super) fn vtk_places(order: usize) -> Vec<usize> {
     let side = order + 1;
     let at = |x: [usize; 3]| x[0] + side * (x[1] + side * x[2]);
     let inner = 1..order;

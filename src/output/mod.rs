@@ -15,6 +15,7 @@ mod hex_cells;
 pub mod hex_mesh;
 pub mod hex_vtk;
 pub mod options;
+pub mod page;
 pub mod picture;
 pub mod plot;
 pub mod progress;

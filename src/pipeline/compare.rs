@@ -3,6 +3,7 @@
 use super::doubts::ending;
 use super::forecast;
 use super::leftovers;
+use super::page;
 use super::passes::{self, Contestant};
 use super::results::write_text;
 use super::run::{failure, new_warnings, plot_curves, prepare, quantity_tables};
@@ -45,13 +46,32 @@ pub fn compare(scenario: &Scenario, options: &RunOptions, repeat: usize) -> Resu
     let run = |name, strategy| Contestant { name, scenario, problem: &problem, strategy };
     let runs = [run("global", Strategy::Global), run("adaptive", Strategy::Adaptive)];
     let reports = passes::reports(scenario, &runs, options, repeat)?;
-    let [global, adaptive] = &reports[..] else { return Err(Error::NothingToCompare) };
+    let [(global, global_shown), (adaptive, adaptive_shown)] = &reports[..] else {
+        return Err(Error::NothingToCompare);
+    };
     let ratios = ratios(global, adaptive);
     let text =
         table::units(&scenario.units) + &table::comparison(global, adaptive, &ratios, scenario.published.as_ref());
     let comparison = Comparison { global, adaptive, ratios: &ratios };
     write_json(&folder.join("compare.json"), &comparison)?;
     write_text(&folder.join("compare.txt"), &text)?;
+    let pages = [
+        page::Run {
+            name: "global",
+            scenario,
+            strategy: Strategy::Global,
+            report: global,
+            steps: global_shown.as_ref(),
+        },
+        page::Run {
+            name: "adaptive",
+            scenario,
+            strategy: Strategy::Adaptive,
+            report: adaptive,
+            steps: adaptive_shown.as_ref(),
+        },
+    ];
+    page::write(&folder, &scenario.title, &pages, &ratios)?;
     plot_curves(&folder, scenario.element, &[("global", global), ("adaptive", adaptive)])?;
     if let Some(path) = &options.json {
         write_json(path, &comparison)?;

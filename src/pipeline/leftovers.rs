@@ -16,9 +16,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// The files of a run, but for its steps and probes.
-const RUN: [&str; 10] = [
+const RUN: [&str; 11] = [
     checkpoint::FILE,
     "view.py",
+    "report.html",
     "report.json",
     "table.txt",
     "error_dofs.svg",
@@ -30,7 +31,8 @@ const RUN: [&str; 10] = [
 ];
 
 /// The files of a comparison, but for its two runs.
-const COMPARISON: [&str; 9] = [
+const COMPARISON: [&str; 10] = [
+    "report.html",
     "compare.txt",
     "error_dofs.svg",
     "error_seconds.svg",
@@ -43,9 +45,10 @@ const COMPARISON: [&str; 9] = [
 ];
 
 /// All names that are ours in a folder of results, those that mark it last: a removal that is cut off can be taken up again.
-const FILES: [&str; 17] = [
+const FILES: [&str; 18] = [
     checkpoint::FILE,
     "view.py",
+    "report.html",
     "table.txt",
     "compare.txt",
     "error_dofs.svg",
@@ -108,7 +111,7 @@ pub(super) fn for_comparison(folder: &Path, names: &[&str], scenario: &Scenario)
 }
 
 /// The folders of the runs of an earlier comparison.
-fn contestants(folder: &Path) -> Vec<String> {
+pub(super) fn contestants(folder: &Path) -> Vec<String> {
     let text = fs::read_to_string(folder.join("compare.json")).unwrap_or_default();
     let listed = serde_json::from_str::<serde_json::Value>(&text).ok();
     let of = |list: &'static str, name: &'static str| {
@@ -225,7 +228,7 @@ pub(super) fn remove_abandoned(folder: &Path) -> Result<(), OutputError> {
 }
 
 /// The steps that a collection lists.
-fn listed_steps(collection: &str) -> Vec<String> {
+pub(super) fn listed_steps(collection: &str) -> Vec<String> {
     let names = collection.split("file=\"").skip(1).filter_map(|rest| rest.split_once('"'));
     let is_step = |name: &&str| number(name).is_some();
     names.map(|(name, _)| name).filter(is_step).map(str::to_owned).collect()

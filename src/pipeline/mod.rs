@@ -1,5 +1,6 @@
 //! The commands; the only room that sees every stage.
 
+pub mod again;
 mod analyse;
 pub mod check;
 mod checkpoint;
@@ -17,6 +18,7 @@ pub mod load;
 mod loading;
 mod look_ahead;
 mod model_error;
+mod page;
 mod passes;
 mod quantities;
 pub mod resolve;

@@ -5,6 +5,7 @@ use super::results::Results;
 use super::simulate::{Plan, simulate};
 use super::{RunOptions, interrupt, resolve::Resolved};
 use crate::error::Error;
+use crate::output::page::Steps;
 use crate::output::progress::Progress;
 use crate::output::report::{PhaseSeconds, Report, StopReason};
 use crate::scenario::{Scenario, Strategy};
@@ -28,7 +29,8 @@ pub(super) struct Contestant<'a> {
 }
 
 /// Makes the runs, each into a folder of its name in `options.folder(of)`. Where all are short, the seconds of the phases
-/// are medians over `repeat` passes, or over nine if steps are very short and `repeat` is not 1.
+/// are medians over `repeat` passes, or over nine if steps are very short and `repeat` is not 1. With each report goes what a
+/// page shows of the run.
 ///
 /// # Errors
 /// As [`super::run::run`].
@@ -37,20 +39,20 @@ pub(super) fn reports(
     runs: &[Contestant<'_>],
     options: &RunOptions,
     repeat: usize,
-) -> Result<Vec<Report>, Error> {
+) -> Result<Vec<(Report, Option<Steps>)>, Error> {
     let folder = options.folder(of);
     let first = |run: &Contestant<'_>| {
         let mut results = Results::begin(folder.join(run.name), run.scenario, run.problem, run.strategy)?;
         let report = simulate(run.problem, &run.plan(options), &mut |step| results.write(step))?;
-        results.finish(&report)?;
+        let steps = results.finish(&report)?;
         match report.stop_reason {
             StopReason::Interrupted => Err(interrupted(run, &report)),
-            _ => Ok(report),
+            _ => Ok((report, steps)),
         }
     };
-    let mut reports = runs.iter().map(first).collect::<Result<Vec<Report>, Error>>()?;
-    if !interrupt::is_asked() && reports.iter().map(|r| r.seconds_total).sum::<f64>() < SHORT_SECONDS {
-        for (run, report) in runs.iter().zip(&mut reports) {
+    let mut reports = runs.iter().map(first).collect::<Result<Vec<_>, Error>>()?;
+    if !interrupt::is_asked() && reports.iter().map(|(r, _)| r.seconds_total).sum::<f64>() < SHORT_SECONDS {
+        for (run, (report, _)) in runs.iter().zip(&mut reports) {
             let again = |_| simulate(run.problem, &run.plan(options), &mut |_| Ok(()));
             let others = (1..pass_count(report, repeat)).map(again).collect::<Result<Vec<Report>, Error>>()?;
             take_medians(report, &others);

@@ -3,6 +3,7 @@
 use super::checkpoint;
 use super::leftovers;
 use super::load::find;
+use super::page::{self, PAGE};
 use super::quantities::write_probes;
 use super::resolve::Resolved;
 use super::simulate::{Observe, State, Step};
@@ -11,6 +12,7 @@ use crate::fem;
 use crate::mesh::quality;
 use crate::output::atomic::{ensure_writable_dir, write_atomic};
 use crate::output::options::FieldName;
+use crate::output::page::{Shown, Solved, Steps};
 use crate::output::plot::{dihedral_histogram, error_histogram};
 use crate::output::report::{Report, StopReason, write_json};
 use crate::output::vtk::{Fields, Values, write_vtu};
@@ -96,6 +98,7 @@ pub(super) struct Results<'a> {
 pub(super) struct Kept {
     angles: Vec<(String, Vec<f64>)>,
     errors: Vec<(String, Vec<f64>)>,
+    page: Option<Steps>,
 }
 
 impl Observe for Results<'_> {
@@ -123,7 +126,8 @@ impl<'a> Results<'a> {
         strategy: Strategy,
     ) -> Result<Self, Error> {
         let folder = Folder::begin(folder, scenario, strategy)?;
-        Ok(Self { folder, problem, kept: Kept::default(), identity: None })
+        let kept = Kept { page: page::begin(scenario, &problem.model), ..Kept::default() };
+        Ok(Self { folder, problem, kept, identity: None })
     }
 
     /// As [`Results::begin`], with a checkpoint before each step.
@@ -149,7 +153,8 @@ impl<'a> Results<'a> {
         problem: &'a Resolved,
     ) -> Result<(Self, State), Error> {
         let identity = checkpoint::identity(scenario, problem);
-        let (state, kept) = checkpoint::read(&folder.join(checkpoint::FILE), &identity)?;
+        let (state, mut kept) = checkpoint::read(&folder.join(checkpoint::FILE), &identity)?;
+        kept.page = page::begin(scenario, &problem.model).zip(kept.page).map(|(page, earlier)| page.after(earlier));
         leftovers::remove_abandoned(&folder)?;
         let steps = if scenario.output.vtk { state.steps.len() } else { 0 };
         let files = (0..steps).map(|i| (i as f64, step_file(i))).collect();
@@ -168,6 +173,16 @@ impl<'a> Results<'a> {
         }
         // Those of the last step stay.
         write_probes(&self.folder.folder, &scenario.probes, self.problem, step.analysed)?;
+        if let Some(page) = &mut self.kept.page {
+            let solved = Solved {
+                displacement: &step.analysed.solution.displacement,
+                stress: &step.analysed.errors.nodal_stress,
+                error: &indicator,
+                quality: &angles,
+                level: step.mesh.levels(),
+            };
+            page.add(&self.folder.path(PAGE), &Shown::tetrahedra(&step.analysed.space), &solved)?;
+        }
         self.kept.angles.push((label.clone(), angles));
         self.kept.errors.push((label, indicator));
         Ok(())
@@ -197,8 +212,8 @@ impl<'a> Results<'a> {
         self.folder.add(fields.time, name)
     }
 
-    /// Writes what is known only at the end of the run.
-    pub(super) fn finish(self, report: &Report) -> Result<(), Error> {
+    /// Writes what is known only at the end of the run; gives what a page shows of it.
+    pub(super) fn finish(self, report: &Report) -> Result<Option<Steps>, Error> {
         self.folder.finish(report)?;
         let scenario = self.folder.scenario;
         if scenario.output.report {
@@ -209,7 +224,7 @@ impl<'a> Results<'a> {
         if self.identity.is_some() && report.stop_reason != StopReason::Interrupted {
             fs::remove_file(&checkpoint).map_err(|e| OutputError::write(&checkpoint, e))?;
         }
-        Ok(())
+        Ok(self.kept.page)
     }
 }
 

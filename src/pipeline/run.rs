@@ -3,6 +3,7 @@
 use super::doubts::ending;
 use super::forecast;
 use super::leftovers;
+use super::page;
 use super::quantities::failed_expectations;
 use super::resolve::{Resolved, check_supports, resolve_curved};
 use super::results::Results;
@@ -12,6 +13,7 @@ use crate::error::Error;
 use crate::fem::options::Element;
 use crate::output::atomic::ensure_writable_dir;
 use crate::output::compare::{TRUE, error_source};
+use crate::output::page::Steps;
 use crate::output::plot::{Axis, error_curves};
 use crate::output::progress::Progress;
 use crate::output::report::{Report, StopReason, write_json};
@@ -50,7 +52,8 @@ pub(super) fn execute(scenario: &Scenario, options: &RunOptions) -> Result<Repor
     if scenario.output.report {
         plot_curves(&options.folder(scenario), scenario.element, &[("this run", &report)])?;
     }
-    results.finish(&report)?;
+    let steps = results.finish(&report)?;
+    write_page(scenario, options, &report, steps.as_ref())?;
     conclude(scenario, options, &report, &problem.warnings)?;
     Ok(report)
 }
@@ -68,6 +71,17 @@ fn begin<'a>(
     ensure_writable_dir(&folder)?;
     leftovers::for_run(&folder, scenario)?;
     Ok((Results::begin_resumable(folder, scenario, problem)?, State::first(problem)))
+}
+
+/// Writes the page of a run.
+pub(super) fn write_page(
+    scenario: &Scenario,
+    options: &RunOptions,
+    report: &Report,
+    steps: Option<&Steps>,
+) -> Result<(), Error> {
+    let run = page::Run { name: "", scenario, strategy: scenario.refine.strategy, report, steps };
+    page::write(&options.folder(scenario), &scenario.title, &[run], &())
 }
 
 /// Writes the further file for the report, and prints tables, warnings and how the run ended; `said` are warnings of the problem

@@ -2,6 +2,7 @@
 
 use super::doubts::ending;
 use super::leftovers::{self, is_name};
+use super::page;
 use super::passes::{self, Contestant};
 use super::resolve::Resolved;
 use super::results::write_text;
@@ -93,7 +94,8 @@ pub fn compare(scenario: &Scenario, variants: &[Variant], options: &RunOptions, 
     ensure_writable_dir(&folder)?;
     leftovers::for_comparison(&folder, &names, scenario)?;
     let runs: Vec<Contestant<'_>> = entries.iter().map(Entry::contestant).collect();
-    let reports = passes::reports(scenario, &runs, options, repeat)?;
+    let (reports, shown): (Vec<Report>, Vec<_>) =
+        passes::reports(scenario, &runs, options, repeat)?.into_iter().unzip();
     let rows: Vec<_> =
         entries.iter().zip(&reports).map(|(e, report)| (e.variant.name.as_str(), &e.variant.set[..], report)).collect();
     let result = Variants::of(&rows);
@@ -103,6 +105,13 @@ pub fn compare(scenario: &Scenario, variants: &[Variant], options: &RunOptions, 
     write_text(&folder.join("compare.txt"), &text)?;
     let curves: Vec<_> = rows.iter().map(|(name, _, report)| (*name, *report)).collect();
     plot_curves(&folder, scenario.element, &curves)?;
+    let pages: Vec<page::Run<'_>> = (entries.iter().zip(&reports).zip(&shown))
+        .map(|((entry, report), steps)| {
+            let (name, scenario) = (&entry.variant.name, &entry.scenario);
+            page::Run { name, scenario, strategy: scenario.refine.strategy, report, steps: steps.as_ref() }
+        })
+        .collect();
+    page::write(&folder, &scenario.title, &pages, &())?;
     if let Some(path) = &options.json {
         write_json(path, &result)?;
     }

@@ -29,6 +29,7 @@ mod words;
 
 pub use list::read_list;
 pub use shape::{Shape, read_shape};
+pub use vtk::{VtuArray, VtuPart, arrays as read_vtu_arrays};
 
 use super::hex::HexError;
 use super::midside::Midside;

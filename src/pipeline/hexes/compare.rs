@@ -1,7 +1,7 @@
 //! `subsolid compare --elements`: one problem with several elements of hexahedra, refined globally.
 
 use super::super::results::write_text;
-use super::super::{RunOptions, print};
+use super::super::{RunOptions, page, print};
 use super::simulate::{Loop, simulate};
 use super::{HexResults, prepare};
 use crate::error::Error;
@@ -27,7 +27,7 @@ pub fn compare_elements(scenario: &Scenario, names: &[String], options: &RunOpti
     ensure_writable_dir(&folder)?;
     let folders: Vec<&str> = names.iter().map(String::as_str).collect();
     leftovers::for_comparison(&folder, &folders, scenario)?;
-    let mut rows = Vec::new();
+    let (mut rows, mut runs) = (Vec::new(), Vec::new());
     for (name, (scenario, hexes)) in names.iter().zip(&variants) {
         let problem =
             prepare(scenario, *hexes, &RunOptions { quiet: !rows.is_empty() || options.quiet, ..options.clone() })?;
@@ -38,7 +38,7 @@ pub fn compare_elements(scenario: &Scenario, names: &[String], options: &RunOpti
             measured.push(step.analysed.measured());
             results.step(step)
         })?;
-        results.finish(&report)?;
+        let steps = results.finish(&report)?;
         if report.stop_reason == StopReason::Interrupted {
             return Err(Error::Interrupted {
                 ending: format!("{name}: interrupted after step {}", measured.len() - 1),
@@ -46,7 +46,16 @@ pub fn compare_elements(scenario: &Scenario, names: &[String], options: &RunOpti
         }
         let row = |(step, measured)| ElementRow { element: name.clone(), ..super::simulate::row(step, measured) };
         rows.extend(report.steps.iter().zip(measured).map(row));
+        runs.push((name, scenario, report, steps));
     }
+    let pages: Vec<page::Run<'_>> = runs
+        .iter()
+        .map(|(name, scenario, report, steps)| {
+            let strategy = scenario.refine.strategy;
+            page::Run { name, scenario, strategy, report, steps: steps.as_ref() }
+        })
+        .collect();
+    page::write(&folder, &scenario.title, &pages, &())?;
     let result = Elements { rows };
     let (heads, cells) = elements::table(&result.rows);
     let mut rows = table(&heads.join("|"));

@@ -16,7 +16,7 @@ pub use subdivide::{HexSubdivision, subdivide_hexes};
 
 use super::leftovers;
 use super::load::find;
-use super::run::{announce, conclude};
+use super::run::{announce, conclude, write_page};
 use super::{ResumeError, RunOptions};
 use crate::error::Error;
 use crate::mesh::hex::curved::{Round, arcs};
@@ -43,7 +43,8 @@ pub(super) fn execute(scenario: &Scenario, hexes: Hexes, options: &RunOptions) -
     let progress = Progress::new(options.quiet);
     let plan = Loop { scenario, memory: options.memory, progress, measure: false };
     let report = simulate(&problem, &plan, &mut |step| results.step(step))?;
-    results.finish(&report)?;
+    let steps = results.finish(&report)?;
+    write_page(scenario, options, &report, steps.as_ref())?;
     conclude(scenario, options, &report, &problem.warnings)?;
     Ok(report)
 }

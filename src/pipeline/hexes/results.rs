@@ -1,14 +1,17 @@
 //! The folder of a run on hexahedra.
 
+use super::super::page::{self, PAGE};
 use super::super::quantities::{OUTSIDE, write_lines};
 use super::super::results::{Folder, step_file};
 use super::resolve::ResolvedHexes;
 use super::simulate::Step;
 use crate::error::Error;
-use crate::fem;
 use crate::fem::hexes::{HexLocator, Lattice};
+use crate::fem::{self, SymTensor};
+use crate::mesh::hex::min_dihedral;
 use crate::output::hex_vtk::write_hexes;
 use crate::output::options::FieldName;
+use crate::output::page::{Shown, Solved, Steps};
 use crate::output::plot::error_histogram;
 use crate::output::report::Report;
 use crate::output::vtk::{Fields, Values};
@@ -21,6 +24,14 @@ pub(super) struct HexResults<'a> {
     folder: Folder<'a>,
     problem: &'a ResolvedHexes,
     errors: Vec<(String, Vec<f64>)>,
+    page: Option<Steps>,
+}
+
+/// What is shown of a step: points and the fields there.
+struct Fine {
+    lattice: Lattice,
+    displacement: Vec<DVec3>,
+    stress: Vec<SymTensor>,
 }
 
 impl<'a> HexResults<'a> {
@@ -30,7 +41,8 @@ impl<'a> HexResults<'a> {
     /// [`Error::Output`] if the folder cannot be written.
     pub(super) fn begin(folder: PathBuf, scenario: &'a Scenario, problem: &'a ResolvedHexes) -> Result<Self, Error> {
         let folder = Folder::begin(folder, scenario, scenario.refine.strategy)?;
-        Ok(Self { folder, problem, errors: Vec::new() })
+        let page = page::begin(scenario, &problem.model);
+        Ok(Self { folder, problem, errors: Vec::new(), page })
     }
 
     /// Writes a step.
@@ -38,8 +50,12 @@ impl<'a> HexResults<'a> {
     /// # Errors
     /// [`Error::Output`].
     pub(super) fn step(&mut self, step: &Step<'_>) -> Result<(), Error> {
-        if self.folder.scenario.output.vtk {
-            self.vtk(step)?;
+        if self.folder.scenario.output.vtk || self.page.is_some() {
+            let fine = Fine::new(step);
+            if self.folder.scenario.output.vtk {
+                self.vtk(step, &fine)?;
+            }
+            self.show(step, &fine)?;
         }
         self.probes(step)?;
         let label = format!("step {}: {} cells", step.index, step.relative_errors.len());
@@ -63,11 +79,27 @@ impl<'a> HexResults<'a> {
         })
     }
 
-    fn vtk(&mut self, step: &Step<'_>) -> Result<(), Error> {
+    /// Adds a step to the page.
+    fn show(&mut self, step: &Step<'_>, fine: &Fine) -> Result<(), Error> {
+        let Some(page) = &mut self.page else { return Ok(()) };
+        let mesh = step.analysed.space.mesh();
+        let cells = 0..mesh.cells().len();
+        let quality: Vec<f64> = cells.clone().map(|t| min_dihedral(&mesh.cell_points(t))).collect();
+        let level: Vec<u8> = cells.map(|_| level(step)).collect();
+        let solved = Solved {
+            displacement: &fine.displacement,
+            stress: &fine.stress,
+            error: &step.relative_errors,
+            quality: &quality,
+            level: &level,
+        };
+        let shown = Shown::hexahedra(&step.analysed.space, &fine.lattice);
+        Ok(page.add(&self.folder.path(PAGE), &shown, &solved)?)
+    }
+
+    fn vtk(&mut self, step: &Step<'_>, fine: &Fine) -> Result<(), Error> {
         let (space, solution) = (&step.analysed.space, &step.analysed.solution);
-        let lattice = Lattice::new(space, space.degree());
-        let displacement = lattice.values(space, &solution.displacement);
-        let stress = lattice.each(space, |t, table, q| step.analysed.recovered.at(space, t, table, q));
+        let Fine { lattice, displacement, stress } = fine;
         let at_points: Vec<f64> = stress.iter().map(|&s| fem::von_mises(s)).collect();
         let middle = space.tables(vec![DVec3::splat(0.5)]);
         let cells = 0..space.mesh().cells().len();
@@ -79,8 +111,8 @@ impl<'a> HexResults<'a> {
             time: step.index as f64,
             units: self.folder.scenario.units.clone(),
             points: self.folder.chosen(vec![
-                (FieldName::Displacement, "displacement", Values::Vectors(&displacement)),
-                (FieldName::Stress, "stress", Values::Tensors(&stress)),
+                (FieldName::Displacement, "displacement", Values::Vectors(displacement)),
+                (FieldName::Stress, "stress", Values::Tensors(stress)),
                 (FieldName::VonMises, "von_mises", Values::Scalars(&at_points)),
             ]),
             cells: self.folder.chosen(vec![
@@ -90,21 +122,36 @@ impl<'a> HexResults<'a> {
             ]),
         };
         let name = step_file(step.index);
-        let level = u8::try_from(step.index).unwrap_or(u8::MAX);
-        write_hexes(&self.folder.path(&name), space, &lattice, &fields, (level, output.hexahedra, output.compression))?;
+        let path = self.folder.path(&name);
+        write_hexes(&path, space, lattice, &fields, (level(step), output.hexahedra, output.compression))?;
         self.folder.add(fields.time, name)
     }
 
-    /// Writes what is known only at the end of the run.
+    /// Writes what is known only at the end of the run; gives what a page shows of it.
     ///
     /// # Errors
     /// [`Error::Output`].
-    pub(super) fn finish(self, report: &Report) -> Result<(), Error> {
+    pub(super) fn finish(self, report: &Report) -> Result<Option<Steps>, Error> {
         self.folder.finish(report)?;
         if self.folder.scenario.output.report {
             let unit = self.folder.scenario.units.energy.as_deref();
             error_histogram(&self.folder.path("cell_errors.svg"), &self.errors, unit)?;
         }
-        Ok(())
+        Ok(self.page)
     }
+}
+
+impl Fine {
+    fn new(step: &Step<'_>) -> Self {
+        let (space, solution) = (&step.analysed.space, &step.analysed.solution);
+        let lattice = Lattice::new(space, space.degree());
+        let displacement = lattice.values(space, &solution.displacement);
+        let stress = lattice.each(space, |t, table, q| step.analysed.recovered.at(space, t, table, q));
+        Self { lattice, displacement, stress }
+    }
+}
+
+/// How often the cells of a step were refined: all alike.
+fn level(step: &Step<'_>) -> u8 {
+    u8::try_from(step.index).unwrap_or(u8::MAX)
 }

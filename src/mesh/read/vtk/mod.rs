@@ -7,9 +7,21 @@ mod legacy;
 mod names;
 mod xml;
 
+pub use xml::{VtuArray, VtuPart};
+
 use super::raw::Raw;
+use super::unreadable_file;
 use crate::mesh::MeshError;
 use std::path::Path;
+
+/// All arrays of a `.vtu` file of one piece.
+///
+/// # Errors
+/// [`MeshError::Unreadable`]; [`MeshError::Syntax`] with the place.
+pub fn arrays(path: &Path) -> Result<Vec<VtuArray>, MeshError> {
+    let bytes = std::fs::read(path).map_err(|source| unreadable_file("result", path, source))?;
+    xml::arrays(path, &bytes)
+}
 
 /// Reads a file if it is one of the two formats.
 pub(super) fn read(path: &Path, bytes: &[u8], raw: &mut Raw) -> Result<Option<&'static str>, MeshError> {

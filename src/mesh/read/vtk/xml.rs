@@ -31,6 +31,34 @@ struct Xml<'a> {
     array: Option<Array>,
     pieces: usize,
     names: Names,
+    /// Where all arrays go, if they are wanted.
+    all: Option<Vec<VtuArray>>,
+}
+
+/// Where in a file an array stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum VtuPart {
+    /// `Points`.
+    Points,
+    /// `Cells`: `connectivity`, `offsets` and `types`.
+    Cells,
+    /// `PointData`.
+    PointData,
+    /// `CellData`.
+    CellData,
+    /// `FieldData`; strings are their bytes, each with a zero at its end.
+    FieldData,
+}
+
+/// An array of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VtuArray {
+    /// Where it stands.
+    pub part: VtuPart,
+    /// Its name.
+    pub name: String,
+    /// Its numbers, row by row.
+    pub numbers: Vec<f64>,
 }
 
 /// The end of the file, to which arrays refer.
@@ -51,6 +79,7 @@ enum Section {
     Points,
     Cells,
     CellData,
+    PointData,
     FieldData,
     Other,
 }
@@ -70,17 +99,55 @@ struct Array {
     at: u64,
 }
 
+/// All arrays of a file of one piece.
+pub(super) fn arrays(path: &Path, bytes: &[u8]) -> Result<Vec<VtuArray>, MeshError> {
+    let all = parsed(path, bytes, &mut Raw::default(), Some(Vec::new()))?.0.all;
+    Ok(all.unwrap_or_default())
+}
+
 /// Reads a file.
 pub(super) fn read(path: &Path, bytes: &[u8], raw: &mut Raw) -> Result<&'static str, MeshError> {
     raw.binary = true;
+    let (xml, skipped) = parsed(path, bytes, raw, None)?;
+    if xml.pieces == 0 {
+        return Err(xml.error("expected </Piece>, found the end of the grid", DAMAGED));
+    }
+    if xml.pieces == 1 {
+        xml.names.apply(raw, xml.at);
+    }
+    if skipped > 0 {
+        raw.notes.push(format!("{skipped} cells that are no solids, triangles or quadrilaterals are ignored."));
+    }
+    Ok("VTK XML unstructured grid")
+}
+
+/// Goes through a file; the lists of its pieces go into `raw`, or all arrays as they are to the file, if it has a place for
+/// them. Gives the number of cells passed over too.
+fn parsed<'a>(
+    path: &'a Path,
+    bytes: &'a [u8],
+    raw: &mut Raw,
+    all: Option<Vec<VtuArray>>,
+) -> Result<(Xml<'a>, usize), MeshError> {
     // What is appended is no XML, if it is raw.
     let tag = b"<AppendedData";
     let head = bytes.windows(tag.len()).position(|word| word == tag).unwrap_or(bytes.len());
     let encoding = Encoding { big_endian: false, header_bytes: 4, compressor: Compressor::None };
     let appended = appended(&bytes[head..]);
     let (section, piece) = (Section::Other, Piece::default());
-    let mut xml =
-        Xml { path, bytes, encoding, appended, at: 0, section, piece, array: None, pieces: 0, names: Names::default() };
+    let mut xml = Xml {
+        path,
+        bytes,
+        encoding,
+        appended,
+        at: 0,
+        section,
+        piece,
+        array: None,
+        pieces: 0,
+        names: Names::default(),
+        all,
+    };
     let mut reader = Reader::from_reader(&bytes[..head]);
     let mut skipped = 0;
     loop {
@@ -106,16 +173,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], raw: &mut Raw) -> Result<&'static 
             Err(error) => return Err(xml.error(format!("the XML is damaged: {error}"), DAMAGED)),
         }
     }
-    if xml.pieces == 0 {
-        return Err(xml.error("expected </Piece>, found the end of the grid", DAMAGED));
-    }
-    if xml.pieces == 1 {
-        xml.names.apply(raw, xml.at);
-    }
-    if skipped > 0 {
-        raw.notes.push(format!("{skipped} cells that are no solids, triangles or quadrilaterals are ignored."));
-    }
-    Ok("VTK XML unstructured grid")
+    Ok((xml, skipped))
 }
 
 /// Takes the appended data after their tag and the sign `_`.
@@ -165,7 +223,7 @@ impl Xml<'_> {
             b"Cells" => self.section = Section::Cells,
             b"CellData" => self.section = Section::CellData,
             b"FieldData" => self.section = Section::FieldData,
-            b"PointData" => self.section = Section::Other,
+            b"PointData" => self.section = Section::PointData,
             b"DataArray" | b"Array" => {
                 self.array = Some(Array {
                     name: self.value(tag, "Name")?,
@@ -216,10 +274,13 @@ impl Xml<'_> {
         match name {
             b"DataArray" | b"Array" => {
                 let section = self.section;
+                if self.all.is_some() {
+                    return self.keep_all().map(|()| 0);
+                }
                 let wanted = |array: &Array| match section {
                     Section::Points | Section::Cells => true,
                     Section::CellData => array.components == 1 && is_tag(&array.name),
-                    Section::FieldData | Section::Other => false,
+                    Section::PointData | Section::FieldData | Section::Other => false,
                 };
                 let array = self.array.take();
                 if let (Section::FieldData, Some(array)) = (section, &array) {
@@ -228,6 +289,7 @@ impl Xml<'_> {
                 self.piece.arrays.extend(array.filter(wanted).map(|array| (section, array)));
             }
             b"Points" | b"Cells" | b"CellData" | b"PointData" | b"FieldData" => self.section = Section::Other,
+            b"Piece" if self.all.is_some() => self.pieces += 1,
             b"Piece" => {
                 self.pieces += 1;
                 return self.grid()?.list(self.path, raw);
@@ -239,6 +301,27 @@ impl Xml<'_> {
             }
         }
         Ok(0)
+    }
+
+    /// Keeps the array that has ended, whatever it holds.
+    fn keep_all(&mut self) -> Result<(), MeshError> {
+        let part = match self.section {
+            Section::Points => VtuPart::Points,
+            Section::Cells => VtuPart::Cells,
+            Section::CellData => VtuPart::CellData,
+            Section::PointData => VtuPart::PointData,
+            Section::FieldData => VtuPart::FieldData,
+            Section::Other => return Ok(()),
+        };
+        let Some(array) = self.array.take() else { return Ok(()) };
+        let numbers = self.decode(&array).map_err(|message| {
+            let message = format!("array {:?}: {message}", array.name);
+            error_at(self.path, Place::Byte(array.at as usize), message, DAMAGED)
+        })?;
+        if let Some(all) = &mut self.all {
+            all.push(VtuArray { part, name: array.name, numbers });
+        }
+        Ok(())
     }
 
     /// Keeps an array of the field data if it holds names.
