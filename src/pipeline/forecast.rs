@@ -18,6 +18,10 @@ const BASE_BYTES: f64 = 14e6;
 const BYTES_A_CELL: [f64; 2] = [930.0, 1150.0];
 const BYTES_A_QUADRATIC_CELL: [f64; 2] = [6300.0, 7600.0];
 
+/// Those a cell of the mesh that a smooth solid is analysed on, where the unknowns are those of its control points: the product of the
+/// matrix and the basis has a row a node too.
+const BYTES_A_RESTRICTED_CELL: [f64; 2] = [1700.0, 1900.0];
+
 /// Those a cell of ten nodes that the direct method needs more for its copy of the matrix; for four nodes they are no more than what a
 /// multigrid would take.
 const BYTES_A_QUADRATIC_CELL_COPIED: f64 = 5200.0;
@@ -83,13 +87,17 @@ impl Forecast {
             let Some(next) = sizes.refined(scenario) else {
                 break "further steps depend on the solution: the marking is by a threshold".to_owned();
             };
-            let bytes = next.analysed(scenario).bytes(true, scenario);
+            let (cells, bytes) = (next.analysed(scenario).cells, next.analysed(scenario).bytes(true, scenario));
+            if cells > f64::from(u32::MAX) {
+                break "more cells than can be numbered".to_owned();
+            }
             if let Some(most) = refine.stop.max_memory.filter(|most| bytes > *most as f64) {
                 break format!("max_memory = {most}, the next step would take {}", size(bytes as u64));
             }
             sizes = next;
-            // Red refinement counts exactly, all else depends on what the optimiser finds.
-            exact &= refine.options.scheme == Scheme::Red && refine.options.optimise.mode == Mode::Paper;
+            // Red refinement counts exactly, all else depends on what the optimiser finds, which leaves control meshes alone.
+            let as_made = refine.options.optimise.mode == Mode::Paper || scenario.smooth.is_some();
+            exact &= refine.options.scheme == Scheme::Red && as_made;
         };
         Ok(Self { steps, end, free_bytes: free_bytes() })
     }
@@ -145,6 +153,7 @@ impl Sizes {
         let refined = usize::from(refined);
         let factor = 8.0 * self.factor * self.dofs(scenario.element).powf(FACTOR_GROWTH);
         let a_cell = match (scenario.element, scenario.solver.method) {
+            (Element::Tet4, _) if is_restricted(scenario) => BYTES_A_RESTRICTED_CELL[refined],
             (Element::Tet4, _) => BYTES_A_CELL[refined],
             (Element::Tet10, Method::Direct) => BYTES_A_QUADRATIC_CELL[refined] + BYTES_A_QUADRATIC_CELL_COPIED,
             (Element::Tet10, _) => BYTES_A_QUADRATIC_CELL[refined],

@@ -341,7 +341,9 @@ fn reason_not_to_refine(
     }
     let (cells, scheme) = (selected.len() as f64, plan.scenario.refine.options.scheme);
     let growth = forecast::cells_after(scheme, plan.strategy, cells, count as f64) / cells;
-    let forecast = forecast::next_bytes(peak, growth, analysed.solution.info.method);
+    // The system of control points is small beside the mesh that it is made on.
+    let method = if plan.scenario.smooth.is_some() { "" } else { analysed.solution.info.method };
+    let forecast = forecast::next_bytes(peak, growth, method);
     let above = |most: u64| forecast > most as f64;
     // What is not there cannot be used; without a word the system would end the run.
     let is_too_large =
