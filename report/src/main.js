@@ -251,7 +251,12 @@ async function start() {
   document.getElementById("page").append(...skeleton());
   if (!webgl(document.getElementById("model"))) return;
   paintReadout();
-  await set({});
+  try {
+    await set({});
+  } catch (error) {
+    document.getElementById("model").replaceChildren(h("p", { class: "verdict fair" }, `The model cannot be drawn here: ${error.message}. All else on the page is complete.`));
+    return;
+  }
   views.forEach((view) => view.render());
   for (const [event, printed] of [["beforeprint", true], ["afterprint", false]]) {
     window.addEventListener(event, () => views.forEach((view) => {

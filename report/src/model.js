@@ -155,7 +155,23 @@ export class Model {
         centre[k] += (size * (a[k] + b[k] + c[k])) / 3;
       }
     }
-    return area ? { centre: centre.map((x) => x / area), normal: normal.map((x) => x / area), area: area / 2 } : null;
+    if (!area) return null;
+    const middle = centre.map((x) => x / area);
+    return { centre: middle, spot: this.nearestOf(member, middle), normal: normal.map((x) => x / area), area: area / 2 };
+  }
+
+  /** The point of some faces that is nearest to a place. */
+  nearestOf(member, place) {
+    const size = this.info.face_points;
+    let [best, at] = [Infinity, place];
+    for (let f = 0; f < this.faceCount; f++) {
+      if (!member[this.arrays.face_patches[f]]) continue;
+      const v = this.arrays.faces[f * size];
+      const p = [0, 1, 2].map((c) => this.points[3 * v + c]);
+      const far = Math.hypot(...p.map((x, c) => x - place[c]));
+      if (far < best) [best, at] = [far, p];
+    }
+    return at;
   }
 
   /** The cell across each face of each cell, or -1; and the middles of the cells. */
@@ -198,7 +214,8 @@ export class Model {
   /** What is left where cells beyond a plane are taken away: faces of the surface, and faces of cells (cell, face). */
   cut({ axis, offset, flip }) {
     this.neighbours();
-    const sign = flip ? -1 : 1;
+    // What is nearer to the first view is taken away.
+    const sign = flip !== (axis === 1) ? -1 : 1;
     const stays = (x) => sign * (x - offset) <= 0;
     const keep = Uint8Array.from({ length: this.cellCount }, (_, t) => (stays(this.middles[3 * t + axis]) ? 1 : 0));
     const whole = this.info.merged === null && this.cellCount === this.info.cells;

@@ -56,7 +56,7 @@ export class Overlay {
       const shown = view.state.actions;
       name.hidden = !shown;
       arrow?.setAttribute("visibility", shown ? "visible" : "hidden");
-      const centre = at.centre.map((x, c) => x - view.origin[c]);
+      const centre = (arrow ? at.centre : at.spot).map((x, c) => x - view.origin[c]);
       let [x, y] = screen(centre);
       if (arrow) {
         // Pushing arrows end at the surface, pulling ones begin there.

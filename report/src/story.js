@@ -34,7 +34,7 @@ function outcome(run) {
   const rows = Object.entries(step.quantities).map(([name, q]) => {
     const unit = unitOf(scenario, units, name);
     const expected = report.expectations?.[name];
-    const met = expected && `${expected.passed ? "as expected" : "not as expected"}: ${plain(Number(expected.expected.toPrecision(6)))} ± ${plain(Number(expected.allowed.toPrecision(2)))}`;
+    const met = expected && `${expected.passed ? "as expected" : "not as expected"}: ${expected.between ? `between ${expected.between.map(plain).join(" and ")}` : `${plain(Number(expected.expected.toPrecision(6)))} ± ${plain(Number(expected.allowed.toPrecision(2)))}`}`;
     const note = [what(scenario.quantities?.[name]), met].filter(Boolean).join("; ");
     const bar = q.error === undefined ? "" : ` ± ${short(q.error, 2)}`;
     return [name, withUnit(`${short(q.value, q.error === undefined ? 5 : 6)}${bar}`, unit), note];

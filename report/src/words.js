@@ -51,7 +51,8 @@ function held(support) {
   const words = [];
   if (support.fix === "normal") words.push("cannot move across its faces");
   else if (Array.isArray(support.fix)) words.push(`fixed in ${list(support.fix)}`);
-  if (support.displacement) {
+  if (support.displacement === "exact" || support.fix === "exact") words.push("follows the known solution");
+  else if (support.displacement) {
     const parts = Object.entries(support.displacement).map(([axis, value]) => `${axis} by ${number(value)}`);
     words.push(`moved in ${list(parts)}`);
   }
@@ -110,8 +111,8 @@ export function asked(run) {
   out.push(supports.length ? `It is held by ${plural(supports.length, "support")}: ${supports.join("; ")}.` : "Nothing holds it.");
   const loads = Object.entries(scenario.loads ?? {}).map(([name, load]) => `${name}: ${acts(load, units)}`);
   if (loads.length) out.push(`On it ${loads.length === 1 ? "acts" : "act"} ${plural(loads.length, "load")}: ${loads.join("; ")}.`);
-  else if (scenario.exact) out.push(`It moves by a known solution, ${scenario.exact.solution}.`);
-  else out.push("No load acts; only the supports move it.");
+  else if (!scenario.exact) out.push("No load acts; only the supports move it.");
+  if (scenario.exact) out.push(`The exact solution is known (“${scenario.exact.solution}”); the body forces that it needs act too.`);
   out.push(method(run));
   return out;
 }

@@ -24,7 +24,7 @@ APPROVED = Path(__file__).parent / "approved"
 # Pictures that are compared: the name of the folder of results, and what is set before.
 PICTURES = {
     "bracket": ("threads-1", "{ field: 'von_mises' }"),
-    "bracket-cut": ("threads-1", "{ field: 'error', edges: true, clip: { axis: 'y', at: 0.5, flip: true } }"),
+    "bracket-cut": ("threads-1", "{ field: 'error', edges: true, clip: { axis: 'y', at: 0.5, flip: false } }"),
     "bridge": ("bridge", "{ field: 'displacement', edges: true }"),
     "twist-cut": ("twist", "{ field: 'principal_max', edges: true, clip: { axis: 'x', at: 0.5, flip: false } }"),
 }

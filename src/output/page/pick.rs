@@ -94,8 +94,7 @@ impl Steps {
         at_points(&mut sections, &points.ids, shown, solved);
         sections.indices("faces", face_points, &points.of(&faces));
         sections.indices("face_cells", 1, &shown.face_cells);
-        let patches: Vec<u8> = shown.face_patches.iter().map(|p| u8::try_from(*p).unwrap_or(u8::MAX)).collect();
-        sections.bytes("face_patches", &patches);
+        sections.indices("face_patches", 1, &shown.face_patches);
         in_cells(&mut sections, "face", solved, &shown.face_cells);
         sections.indices("lines", 2, &points.of(&lines));
         inside(&mut sections, &drawn, solved, &points, shown.cell_count());
