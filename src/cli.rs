@@ -4,6 +4,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 use std::path::PathBuf;
 use subsolid::pipeline::variants::Variant;
 use subsolid::subdiv::options::{Boundary, CatmullClark, Mode, QualityMeasure, Scheme};
+use tracing::level_filters::LevelFilter;
 
 /// Finite-element simulation of linear-elastic solids represented by adaptive subdivision meshes.
 #[derive(Debug, Parser)]
@@ -257,6 +258,9 @@ pub struct Common {
     /// Write the figures to this file too; `-` is standard output, where nothing else is printed then
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
+    /// Tell on standard error what is done: error, warn, info (phases and steps) or debug (files too)
+    #[arg(long, value_name = "LEVEL", env = "SUBSOLID_LOG", default_value = "off", hide_default_value = true)]
+    pub log: LevelFilter,
 }
 
 /// Options of the commands that read scenarios.

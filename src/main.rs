@@ -9,6 +9,8 @@ use std::collections::BTreeSet;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use subsolid::Error;
 use subsolid::pipeline::choice::Cells;
 use subsolid::pipeline::hexes::{HexSubdivision, compare_elements, subdivide_hexes};
@@ -19,6 +21,7 @@ use subsolid::pipeline::verify::{Verification, verify};
 use subsolid::pipeline::{MemoryProbe, RunOptions, again, check, compare, interrupt, run, variants};
 use subsolid::scenario::{Deformation, Scenario};
 use subsolid::subdiv::options::{Mode, Optimise, Options, QualityMeasure, Scheme};
+use tracing::level_filters::LevelFilter;
 
 #[global_allocator]
 static ALLOCATOR: PeakAlloc = PeakAlloc;
@@ -52,8 +55,9 @@ fn reset_peak() {
 }
 
 fn main() -> ExitCode {
-    handle_signals();
-    match Cli::parse().command {
+    let command = Cli::parse().command;
+    handle_signals(&command);
+    match command {
         Command::Run { scenarios, resume, common, scenario_options } => {
             run_all(&scenarios, resume, &common, &scenario_options)
         }
@@ -71,7 +75,7 @@ fn main() -> ExitCode {
             })
         }
         Command::Verify { folder, markdown, output, common } => {
-            set_threads(&common);
+            set_up(&common);
             let quiet = is_quiet(&common);
             finish(verify(&Verification { folder, markdown, output, json: common.json, quiet, memory: MEMORY }))
         }
@@ -83,7 +87,7 @@ fn main() -> ExitCode {
             one(&scenario, &common, &scenario_options, check::check)
         }
         Command::Subdivide(arguments) => {
-            set_threads(&arguments.common);
+            set_up(&arguments.common);
             finish(match (arguments.scheme.of_tetrahedra(), arguments.scheme) {
                 (Some(scheme), _) => subdivide(&subdivision(arguments, scheme)).map(drop),
                 (None, SchemeName::TetOct) => subdivide_tet_oct(&tet_oct_subdivision(arguments)).map(drop),
@@ -91,18 +95,18 @@ fn main() -> ExitCode {
             })
         }
         Command::Inspect { mesh, feature_angle, common } => {
-            set_threads(&common);
+            set_up(&common);
             let quiet = is_quiet(&common);
             let json = common.json;
             finish(inspect(&Inspection { mesh, feature_angle, quiet, json }))
         }
         Command::Deform { scenario, common, scenario_options } => {
-            set_threads(&common);
+            set_up(&common);
             let read = Deformation::from_file(&scenario, &scenario_options.set).map_err(Error::from);
             finish(read.and_then(|d| deform(&d, &run_options(&common, &scenario_options)).map(drop)))
         }
         Command::Smoothness { output, markdown, common } => {
-            set_threads(&common);
+            set_up(&common);
             let quiet = is_quiet(&common);
             finish(smoothness(&Smoothness { output, markdown, json: common.json, quiet }).map(drop))
         }
@@ -111,17 +115,20 @@ fn main() -> ExitCode {
     }
 }
 
-/// Ctrl-C, or a polite kill, asks runs to end after their step; the second time the program ends at once, with no file half written. Where
-/// memory cannot be had the standard library says so and aborts: that is an exit code here, and no dump of memory. Without handlers
-/// all this would still end the program.
-fn handle_signals() {
+/// Where memory cannot be had the standard library says so and aborts: that is an exit code here, and no dump of memory. Ctrl-C, or a
+/// polite kill, asks runs to end after their step; the second time the program ends at once, as others do the first time, with no file
+/// half written. Without handlers all this would still end the program.
+fn handle_signals(command: &Command) {
     use signal_hook::consts::{SIGABRT, SIGINT, SIGTERM};
     use signal_hook::flag::{register, register_conditional_shutdown};
-    let always = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(true));
+    let always = Arc::new(AtomicBool::new(true));
     let _ = register_conditional_shutdown(SIGABRT, FAILED, always);
+    if !matches!(command, Command::Run { .. } | Command::Compare { .. } | Command::Verify { .. }) {
+        return;
+    }
     for signal in [SIGINT, SIGTERM] {
         let flag = interrupt::flag();
-        let _ = register_conditional_shutdown(signal, INTERRUPTED, std::sync::Arc::clone(&flag));
+        let _ = register_conditional_shutdown(signal, INTERRUPTED, Arc::clone(&flag));
         let _ = register(signal, flag);
     }
 }
@@ -256,7 +263,7 @@ fn run_all(paths: &[PathBuf], resume: bool, common: &Common, options: &ScenarioO
     if paths.len() > 1 {
         refuse_shared_files(paths, common);
     }
-    set_threads(common);
+    set_up(common);
     let read = paths.iter().map(|path| Scenario::from_file(path, &options.set).map_err(|e| report(e.into())));
     let (scenarios, failures): (Vec<_>, Vec<_>) = read.partition(Result::is_ok);
     if let Some(Err(code)) = failures.into_iter().next() {
@@ -298,7 +305,7 @@ fn one(
     options: &ScenarioOptions,
     command: impl FnOnce(&Scenario, &RunOptions) -> Result<(), Error>,
 ) -> ExitCode {
-    set_threads(common);
+    set_up(common);
     finish(read_and(path, options, &run_options(common, options), command))
 }
 
@@ -321,7 +328,12 @@ fn is_quiet(common: &Common) -> bool {
     common.quiet || common.json.as_deref() == Some(Path::new("-"))
 }
 
-fn set_threads(common: &Common) {
+/// Sets the number of threads and begins the log.
+fn set_up(common: &Common) {
+    if common.log != LevelFilter::OFF {
+        let log = tracing_subscriber::fmt().with_max_level(common.log).with_target(false).with_ansi(false);
+        log.with_writer(std::io::stderr).init();
+    }
     if let Some(n) = common.threads {
         // Fails only if the pool exists already, which nothing before this call makes.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(n.into()).build_global();

@@ -87,6 +87,24 @@ fn help_version_and_completions_are_on_standard_output() {
     }
 }
 
+#[test]
+fn the_log_is_on_standard_error_and_only_where_asked_for() {
+    let folder = tetrahedron();
+    let command = ["subdivide", "one.msh", "-o", "out.vtu", "--threads", "1"];
+    let plain = subsolid(folder.path(), &command);
+    assert_eq!((plain.0, plain.2.as_str()), (Some(0), ""));
+    let lines =
+        |text: &str| text.lines().map(|l| l.split(" refined in ").next().unwrap().to_owned()).collect::<Vec<_>>();
+    for (level, files) in [("info", false), ("debug", true)] {
+        let (code, stdout, stderr) = subsolid(folder.path(), &[&command[..], &["--log", level]].concat());
+        assert_eq!((code, lines(&stdout)), (Some(0), lines(&plain.1)));
+        assert!(stderr.contains("INFO step 1: refine 1 of 1 cells"), "{stderr}");
+        assert_eq!(stderr.contains("DEBUG wrote out.vtu"), files, "{stderr}");
+    }
+    let (code, _, stderr) = subsolid(folder.path(), &[&command[..], &["--log", "loud"]].concat());
+    assert!(code == Some(2) && stderr.contains("--log"), "{stderr}");
+}
+
 /// A folder with a tetrahedron and lists of its cells, edges and vertices, good and bad.
 fn tetrahedron() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();

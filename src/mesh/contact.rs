@@ -105,15 +105,14 @@ fn is_on_face([a, b, c]: [DVec3; 3], p: DVec3) -> bool {
 }
 
 /// The cells that hold a vertex of the boundary or the centroid of a cell at the boundary, other than their own, sorted: parts of the mesh
-/// lie within each other. `faces` are the boundary's, `inner` the cell of each.
+/// lie within each other. `faces` are the boundary's; a cell is at the boundary if three of its vertices are.
 #[must_use]
-pub fn overlaps(points: &[DVec3], tets: &[[u32; 4]], faces: &[[u32; 3]], inner: &[u32]) -> Vec<Overlap> {
-    let mut vertices: Vec<u32> = faces.iter().flatten().copied().collect();
-    vertices.sort_unstable();
-    vertices.dedup();
-    let mut others = inner.to_vec();
-    others.sort_unstable();
-    others.dedup();
+pub fn overlaps(points: &[DVec3], tets: &[[u32; 4]], faces: impl Iterator<Item = [u32; 3]>) -> Vec<Overlap> {
+    let mut is_outer = vec![false; points.len()];
+    faces.flatten().for_each(|v| is_outer[v as usize] = true);
+    let vertices: Vec<u32> = (0..points.len() as u32).filter(|&v| is_outer[v as usize]).collect();
+    let is_at_boundary = |t: &u32| tets[*t as usize].iter().filter(|v| is_outer[**v as usize]).count() >= 3;
+    let others: Vec<u32> = (0..tets.len() as u32).into_par_iter().filter(is_at_boundary).collect();
     let corners = |t: u32| tets[t as usize].map(|v| points[v as usize]);
     let centroids = others.iter().map(|&t| corners(t).into_iter().sum::<DVec3>() / 4.0);
     let samples: Vec<DVec3> = vertices.iter().map(|&v| points[v as usize]).chain(centroids).collect();
@@ -209,8 +208,7 @@ mod tests {
     use crate::mesh::generate::box_tets;
 
     fn overlapping(mesh: &TetMesh) -> Vec<Overlap> {
-        let faces: Vec<[u32; 3]> = mesh.faces().iter().map(|f| f.vertices).collect();
-        overlaps(mesh.points(), mesh.tets(), &faces, &topology::boundary_cells(mesh.tets()))
+        overlaps(mesh.points(), mesh.tets(), mesh.faces().iter().map(|f| f.vertices))
     }
 
     fn hung(mesh: &TetMesh) -> Vec<Hanging> {

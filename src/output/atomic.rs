@@ -14,7 +14,9 @@ pub const TEMPORARY: &str = ".subsolid-";
 /// # Errors
 /// [`OutputError::Write`] names `path`; its old content, if any, is untouched.
 pub fn write_atomic(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), OutputError> {
-    replace(path, write).map_err(|source| OutputError::write(path, source))
+    replace(path, write).map_err(|source| OutputError::write(path, source))?;
+    tracing::debug!("wrote {}", path.display());
+    Ok(())
 }
 
 /// Makes the folder (and those above it) if it is missing, and checks that files can be made in it. To be called before

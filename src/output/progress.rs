@@ -1,4 +1,4 @@
-//! Signs of life on the terminal during long phases.
+//! Signs of life during long phases: on the terminal, and in the log.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::time::Duration;
@@ -25,8 +25,10 @@ impl Progress {
 
     /// Begins a phase: a spinner, its name, and the time since it began.
     pub fn phase(&self, name: impl Into<String>) -> Phase {
+        let name = name.into();
+        tracing::info!("{name}");
         let target = if self.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        let bar = ProgressBar::with_draw_target(None, target).with_message(name.into());
+        let bar = ProgressBar::with_draw_target(None, target).with_message(name);
         if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} ({elapsed})") {
             bar.set_style(style);
         }
@@ -56,7 +58,9 @@ impl Phase {
 
     /// Says what is being done now.
     pub fn say(&self, what: impl Into<String>) {
-        self.bar.set_message(what.into());
+        let what = what.into();
+        tracing::info!("{what}");
+        self.bar.set_message(what);
     }
 }
 

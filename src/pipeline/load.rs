@@ -29,6 +29,7 @@ pub fn load_source(source: &MeshSource, midside: Midside, beside: &Path) -> Resu
 fn read_or_make(source: &MeshSource, midside: Midside, merge: bool, beside: &Path) -> Result<MeshFile, MeshError> {
     match source {
         MeshSource::File(file) => {
+            tracing::info!("read {}", file.display());
             let edges = match midside {
                 Midside::Straight => Edges::Straight,
                 Midside::Curved => Edges::Curved,

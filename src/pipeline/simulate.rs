@@ -221,6 +221,7 @@ fn step(
     timed(&mut seconds.write, || observer.step(&step))?;
     let peak_memory_bytes = state.peak.max((plan.memory.peak)()) as u64;
     let record = StepRecord { peak_memory_bytes, ..record(&step, problem, seconds, unit) };
+    log(&record);
     state.warnings.extend(doubts::about(&step, state.steps.last(), &record));
     state.steps.push(record);
     if stop.is_some() {
@@ -242,6 +243,19 @@ fn step(
 
 /// Relative difference of the volumes of one body.
 const SAME_VOLUME: f64 = 1e-6;
+
+/// Tells of a step in the log.
+fn log(record: &StepRecord) {
+    let StepRecord { step, mesh, dofs, solver, error, .. } = record;
+    tracing::info!(
+        "step {step}: {} cells, {dofs} dofs, {} ({} iterations, residual {:.1e}), relative error {:.3e}",
+        mesh.cells,
+        solver.method,
+        solver.iterations,
+        solver.residual,
+        error.relative
+    );
+}
 
 /// Part of the error above which data that the elements do not see count as most of it.
 const MOSTLY: f64 = 0.5;

@@ -7,7 +7,7 @@ use super::nodes::{Index, Merged, NONE, number_vertices, positions};
 use super::raw::Raw;
 use super::{Edges, MeshFile, Reading, doubts};
 use crate::mesh::midside::Midside;
-use crate::mesh::{MeshError, TetMesh, TetMeshParts, Victim, quality, topology};
+use crate::mesh::{MeshError, TetMesh, TetMeshParts, Victim, features, quality, topology};
 use glam::DVec3;
 use std::path::Path;
 
@@ -69,8 +69,9 @@ pub(super) fn build(
     }
     let name = |v: u32| raw.nodes.ids.get(vertices[v as usize] as usize);
     let element = |t: u32| raw.tets.ids.get(t as usize);
-    doubts::refuse_hanging(path, &mesh, &raw, &name)?;
-    notes.extend(doubts::about(&mesh, &name, &element));
+    let edges = features::boundary_edges(mesh.faces());
+    doubts::refuse_hanging(path, &mesh, &edges, &raw, &name)?;
+    notes.extend(doubts::about(&mesh, &edges, &name, &element));
     Ok(MeshFile { mesh, format, notes, midsides, inner_groups })
 }
 

@@ -3,7 +3,7 @@
 use super::error_at;
 use super::raw::Raw;
 use crate::mesh::contact::{self, Hanging};
-use crate::mesh::{MeshError, TetMesh, features, topology};
+use crate::mesh::{MeshError, TetMesh, features};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::path::Path;
@@ -17,22 +17,31 @@ const SIZES: std::ops::RangeInclusive<f64> = 1e-12..=1e12;
 /// Digits of a number.
 const DIGITS: f64 = 15.95;
 
+/// Edges of the boundary, with the faces at each.
+pub(super) type Edges = [([u32; 2], Vec<usize>)];
+
 /// Whole sentences about a mesh; `node` and `element` give the ids of the file.
-pub(super) fn about(mesh: &TetMesh, node: &dyn Fn(u32) -> i64, element: &dyn Fn(u32) -> i64) -> Vec<String> {
+pub(super) fn about(
+    mesh: &TetMesh,
+    edges: &Edges,
+    node: &dyn Fn(u32) -> i64,
+    element: &dyn Fn(u32) -> i64,
+) -> Vec<String> {
     let (lo, hi) = mesh.bounding_box();
     let notes = [coincident(mesh), loose_parts(mesh), extent(lo, hi), overlaps(mesh, node, element)];
-    notes.into_iter().flatten().chain(pinched(mesh, node)).collect()
+    notes.into_iter().flatten().chain(pinched(mesh, edges, node)).collect()
 }
 
 /// Refuses a node that lies on an edge or face of a cell without being its corner.
 pub(super) fn refuse_hanging(
     path: &Path,
     mesh: &TetMesh,
+    edges: &Edges,
     raw: &Raw,
     node: &dyn Fn(u32) -> i64,
 ) -> Result<(), MeshError> {
     let faces: Vec<[u32; 3]> = mesh.faces().iter().map(|f| f.vertices).collect();
-    let edges: Vec<[u32; 2]> = topology::triangle_edges(faces.iter().copied()).into_iter().map(|e| e.0).collect();
+    let edges: Vec<[u32; 2]> = edges.iter().map(|e| e.0).collect();
     let found = contact::hanging(mesh.points(), &edges, &faces, mesh.tets().iter().map(|t| &t[..]));
     let Some(first) = found.first() else { return Ok(()) };
     let cell = mesh.tets().iter().position(|t| first.on.iter().all(|v| t.contains(v))).unwrap_or_default();
@@ -57,9 +66,7 @@ pub(super) fn hanging(first: &Hanging, count: usize, cell: &str, node: &dyn Fn(u
 
 /// Says that parts of the mesh lie within each other.
 fn overlaps(mesh: &TetMesh, node: &dyn Fn(u32) -> i64, element: &dyn Fn(u32) -> i64) -> Option<String> {
-    let faces: Vec<[u32; 3]> = mesh.faces().iter().map(|f| f.vertices).collect();
-    let inner = topology::boundary_cells(mesh.tets());
-    let found = contact::overlaps(mesh.points(), mesh.tets(), &faces, &inner);
+    let found = contact::overlaps(mesh.points(), mesh.tets(), mesh.faces().iter().map(|f| f.vertices));
     let first = found.first()?;
     let what = match first.other {
         Some(other) => format!("the centre of tetrahedron {}", element(other)),
@@ -74,8 +81,8 @@ fn overlaps(mesh: &TetMesh, node: &dyn Fn(u32) -> i64, element: &dyn Fn(u32) -> 
 }
 
 /// Says where the solid touches itself in an edge or a vertex only.
-fn pinched(mesh: &TetMesh, node: &dyn Fn(u32) -> i64) -> Vec<String> {
-    let (edges, vertices) = features::pinches(mesh.faces());
+fn pinched(mesh: &TetMesh, edges: &Edges, node: &dyn Fn(u32) -> i64) -> Vec<String> {
+    let (edges, vertices) = features::pinches(mesh.faces(), edges);
     let count = |n: usize, one: &str, many: &str| if n == 1 { one.to_owned() } else { format!("{n} {many}") };
     let edge = edges.first().map(|&[a, b]| {
         let (edges, a, b) = (count(edges.len(), "an edge", "edges"), node(a), node(b));
