@@ -29,6 +29,9 @@ pub enum Command {
         /// Scenario files (TOML)
         #[arg(required = true, value_name = "SCENARIO")]
         scenarios: Vec<PathBuf>,
+        /// Go on where an interrupted or killed run of the same scenario stopped; ends with the same files
+        #[arg(long)]
+        resume: bool,
         #[command(flatten)]
         common: Common,
         #[command(flatten)]

@@ -5,8 +5,8 @@ use crate::fem::FemError;
 use crate::mesh::MeshError;
 use crate::mesh::hex::HexError;
 use crate::output::OutputError;
-use crate::pipeline::ModelError;
 use crate::pipeline::tet_oct::DeformError;
+use crate::pipeline::{ModelError, ResumeError};
 use crate::scenario::ScenarioError;
 use crate::subdiv::tet_oct::EmbedError;
 
@@ -55,6 +55,10 @@ pub enum Error {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Deform(#[from] DeformError),
+    /// A run cannot be resumed.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Resume(#[from] ResumeError),
     /// Supports, loads and materials do not fit the mesh.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -144,6 +148,26 @@ pub enum Error {
         /// What is wrong with each, where it is not printed otherwise.
         faults: String,
     },
+    /// The user ended the run.
+    #[error("{ending}")]
+    #[diagnostic(help("the results up to this step are complete; `subsolid run` with --resume goes on from there"))]
+    Interrupted {
+        /// After which step.
+        ending: String,
+    },
+    /// The run would need more memory than there is.
+    #[error("{what} {needs} of memory, and {most} can be had")]
+    #[diagnostic(help("{help}; nothing was computed or written"))]
+    TooLarge {
+        /// What needs it: "step 4 of this run needs about".
+        what: String,
+        /// How much, in words.
+        needs: String,
+        /// How much there is, in words.
+        most: String,
+        /// What to do.
+        help: String,
+    },
     /// The run ended before the errors that the scenario asks for were reached.
     #[error("{reached} ({ending})")]
     #[diagnostic(help("{help}; the results are complete"))]
@@ -159,7 +183,7 @@ pub enum Error {
 
 impl Error {
     /// The exit code of a command that ends with this error: 1 not as expected, 3 scenario, 4 mesh, 5 ill-posed model, 6 solver, memory or
-    /// output, 7 asked tolerance not reached. (0 is success, 2 wrong usage.)
+    /// output, 7 asked tolerance not reached, 130 interrupted. (0 is success, 2 wrong usage.)
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
@@ -176,7 +200,13 @@ impl Error {
             Self::Hex(_) | Self::NotHexahedra { .. } | Self::Mesh(_) | Self::Embed(EmbedError::Folded(_)) => 4,
             Self::Model(_) | Self::Embed(_) | Self::Deform(_) => 5,
             Self::Fem(error) if error.is_model() => 5,
-            Self::Fem(_) | Self::Adapt(_) | Self::Output(_) | Self::Print(_) => 6,
+            Self::Fem(_)
+            | Self::Adapt(_)
+            | Self::Output(_)
+            | Self::Print(_)
+            | Self::TooLarge { .. }
+            | Self::Resume(_) => 6,
+            Self::Interrupted { .. } => 130,
             Self::ToleranceNotReached { .. } => 7,
         }
     }

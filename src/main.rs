@@ -16,7 +16,7 @@ use subsolid::pipeline::inspect::{Inspection, inspect};
 use subsolid::pipeline::subdivide::{Subdivision, subdivide};
 use subsolid::pipeline::tet_oct::{Smoothness, TetOctSubdivision, deform, smoothness, subdivide_tet_oct};
 use subsolid::pipeline::verify::{Verification, verify};
-use subsolid::pipeline::{MemoryProbe, RunOptions, again, check, compare, run, variants};
+use subsolid::pipeline::{MemoryProbe, RunOptions, again, check, compare, interrupt, run, variants};
 use subsolid::scenario::{Deformation, Scenario};
 use subsolid::subdiv::options::{Mode, Optimise, Options, QualityMeasure, Scheme};
 
@@ -25,6 +25,10 @@ static ALLOCATOR: PeakAlloc = PeakAlloc;
 
 /// Degrees from which the boundary turns, for `--select curvature`.
 const CURVATURE_ANGLE: f64 = 5.0;
+
+/// Exit codes: of solver, memory or output, and of a run that the user ends.
+const FAILED: i32 = 6;
+const INTERRUPTED: i32 = 130;
 
 const MEMORY: MemoryProbe = MemoryProbe { reset: reset_peak, peak };
 
@@ -48,8 +52,11 @@ fn reset_peak() {
 }
 
 fn main() -> ExitCode {
+    handle_signals();
     match Cli::parse().command {
-        Command::Run { scenarios, common, scenario_options } => run_all(&scenarios, &common, &scenario_options),
+        Command::Run { scenarios, resume, common, scenario_options } => {
+            run_all(&scenarios, resume, &common, &scenario_options)
+        }
         Command::Compare { scenario, schemes, variants: own, elements, repeat, common, scenario_options } => {
             one(&scenario, &common, &scenario_options, |s, o| {
                 if !elements.is_empty() {
@@ -101,6 +108,21 @@ fn main() -> ExitCode {
         }
         Command::Schema => finish(subsolid::pipeline::print(&format!("{:#}\n", subsolid::scenario::schema()))),
         Command::Completions { shell } => completions(shell),
+    }
+}
+
+/// Ctrl-C, or a polite kill, asks runs to end after their step; the second time the program ends at once, with no file half written. Where
+/// memory cannot be had the standard library says so and aborts: that is an exit code here, and no dump of memory. Without handlers
+/// all this would still end the program.
+fn handle_signals() {
+    use signal_hook::consts::{SIGABRT, SIGINT, SIGTERM};
+    use signal_hook::flag::{register, register_conditional_shutdown};
+    let always = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(true));
+    let _ = register_conditional_shutdown(SIGABRT, FAILED, always);
+    for signal in [SIGINT, SIGTERM] {
+        let flag = interrupt::flag();
+        let _ = register_conditional_shutdown(signal, INTERRUPTED, std::sync::Arc::clone(&flag));
+        let _ = register(signal, flag);
     }
 }
 
@@ -230,7 +252,7 @@ fn refuse(message: &str) -> ! {
 
 /// Reads all scenarios before it runs the first. Then runs all, whether or not one fails; the code is that of the first
 /// failure.
-fn run_all(paths: &[PathBuf], common: &Common, options: &ScenarioOptions) -> ExitCode {
+fn run_all(paths: &[PathBuf], resume: bool, common: &Common, options: &ScenarioOptions) -> ExitCode {
     if paths.len() > 1 {
         refuse_shared_files(paths, common);
     }
@@ -242,12 +264,16 @@ fn run_all(paths: &[PathBuf], common: &Common, options: &ScenarioOptions) -> Exi
     }
     let mut first_failure = None;
     for scenario in scenarios.into_iter().flatten() {
-        let mut run_options = run_options(common, options);
+        let mut run_options = RunOptions { resume, ..run_options(common, options) };
         if paths.len() > 1 {
             run_options.output = options.output.as_ref().map(|folder| folder.join(scenario.name()));
         }
         if let Err(error) = run::run(&scenario, &run_options) {
+            let is_last = matches!(error, Error::Interrupted { .. });
             let code = report(error);
+            if is_last {
+                return code;
+            }
             first_failure.get_or_insert(code);
         }
     }
@@ -287,7 +313,7 @@ fn read_and(
 
 fn run_options(common: &Common, options: &ScenarioOptions) -> RunOptions {
     let (output, json) = (options.output.clone(), common.json.clone());
-    RunOptions { output, quiet: is_quiet(common), json, memory: MEMORY }
+    RunOptions { output, quiet: is_quiet(common), json, resume: false, memory: MEMORY }
 }
 
 /// Standard output is for the JSON alone if that goes there.

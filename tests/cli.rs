@@ -162,7 +162,7 @@ fn lists_that_do_not_fit_the_mesh_are_refused_with_their_line() {
 
 #[cfg(unix)]
 #[test]
-fn a_closed_pipe_is_no_failure() {
+fn class_63_a_closed_pipe_is_no_failure() {
     use std::process::{Command as Process, Stdio};
     // The script is longer than a pipe holds, so writing it to nobody fails unless the program lets it.
     let mut child = Process::new(assert_cmd::cargo::cargo_bin("subsolid"))

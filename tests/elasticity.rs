@@ -188,7 +188,7 @@ fn auto_turns_to_the_direct_method_where_cg_is_slow() {
 }
 
 #[test]
-fn a_tolerance_out_of_reach_gives_rounding_and_says_so() {
+fn class_58_a_residual_above_its_tolerance_is_rounding_that_is_told_or_an_error() {
     let (mesh, model) = pressed_box(3);
     let system = fem::assemble(&fem::Space::linear(&mesh), &model).unwrap();
     for method in [Method::Direct, Method::AmgCg] {

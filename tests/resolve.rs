@@ -106,7 +106,7 @@ fn a_selector_becomes_a_group_and_a_named_group_stays_itself() {
 }
 
 #[test]
-fn a_selector_that_matches_nothing_says_how_far_it_misses() {
+fn class_38_a_selector_that_matches_nothing_says_how_far_it_misses() {
     let (error, help) = refused(&BASE.replace("group = \"y-min\"", "plane = { normal = [0, 1, 0], offset = -1e-4 }"));
     let message = error.to_string();
     assert!(message.contains("support `feet`") && message.contains("case.toml:7:1"), "{message}");
@@ -117,7 +117,7 @@ fn a_selector_that_matches_nothing_says_how_far_it_misses() {
 }
 
 #[test]
-fn an_unknown_group_is_listed_and_suggested() {
+fn class_39_an_unknown_group_is_suggested_and_all_are_listed() {
     let (_, help) = refused(&BASE.replace("\"y-min\"", "\"y_min\""));
     assert!(help.contains("did you mean `y-min`?") && help.contains("y-max"), "{help}");
     assert!(refused(&BASE.replace("\"y-min\"", "\"solid\"")).1.contains("region"));
@@ -132,21 +132,20 @@ fn an_unknown_group_is_listed_and_suggested() {
 }
 
 #[test]
-fn an_ill_posed_model_says_what_to_add() {
-    let bare = "[mesh]\nfile = \"a\"\n";
-    let (error, help) = refused(bare);
+fn class_44_a_region_without_material_says_what_to_add() {
+    let (error, help) = refused("[mesh]\nfile = \"a\"\n");
     assert!(matches!(&error, ModelError::NoMaterial { regions, .. } if regions.contains("`solid` (12 cells)")));
-    assert!(help.contains("[materials."));
+    assert!(help.contains("[materials.") && help.contains("group = \"solid\""));
+}
 
-    let (error, help) = refused(&format!("{bare}[materials.a]\nyoungs_modulus = 1\npoissons_ratio = 0\n"));
-    assert!(matches!(error, ModelError::NoSupports) && help.contains("fix = "));
-
+#[test]
+fn gravity_asks_for_densities() {
     let (error, _) = refused(&format!("{BASE}[loads.w]\ngravity = [0, -9.81, 0]\n"));
     assert!(matches!(&error, ModelError::NoDensity { materials, .. } if materials.contains("`steel`")));
 }
 
 #[test]
-fn supports_may_agree_but_not_contradict_where_they_meet() {
+fn class_37_supports_may_agree_but_not_contradict_where_they_meet() {
     let side = "[supports.side]\nplane = { normal = [1, 0, 0], offset = 0 }\n";
     assert!(resolved(&format!("{side}fix = [\"x\"]"), &[]).is_ok());
     let (error, _) = refused(&format!("{BASE}{side}displacement = {{ y = 0.25 }}"));
@@ -160,7 +159,7 @@ fn supports_may_agree_but_not_contradict_where_they_meet() {
 }
 
 #[test]
-fn features_have_to_be_in_the_mesh() {
+fn class_46_features_have_to_be_in_the_mesh() {
     let r = resolved("[features]\nangle = 180\nedges = [[4, 0]]\ncorners = [7]", &[]).unwrap();
     let features: Vec<[u32; 2]> = r.mesh.creases().iter().filter(|c| c.feature).map(|c| c.vertices).collect();
     assert_eq!((features, r.mesh.corners()), (vec![[0, 4]], &[7][..]));
@@ -169,16 +168,21 @@ fn features_have_to_be_in_the_mesh() {
 }
 
 #[test]
-fn loads_that_do_nothing_are_warned_of() {
-    let warned = |overrides: &[&str], word: &str| {
-        let r = resolved("", overrides).unwrap();
-        assert!(r.warnings.iter().any(|w| w.contains(word)), "{overrides:?}: {:?}", r.warnings);
-    };
+fn class_40_a_load_on_fixed_nodes_only_is_warned_of() {
     assert!(resolved("", &[]).unwrap().warnings.is_empty());
-    warned(&["loads.push.traction=[0, 0, 0]"], "is zero");
-    warned(&["loads.push.traction=[0, 0, 0]"], "nothing loads the model");
-    warned(&["loads.push.group=y-min"], "fixed nodes only: supports take it");
-    warned(&["loads.pull.group=y-max", "loads.pull.force=[0, 2, 0]"], "cancel out");
+    assert_warned(&["loads.push.group=y-min"], "load `push` acts on fixed nodes only: supports take it");
+}
+
+#[test]
+fn class_41_a_load_that_is_zero_is_warned_of() {
+    assert_warned(&["loads.push.traction=[0, 0, 0]"], "load `push` is zero");
+    assert_warned(&["loads.push.traction=[0, 0, 0]"], "nothing loads the model");
+    assert_warned(&["loads.pull.group=y-max", "loads.pull.force=[0, 2, 0]"], "cancel out");
+}
+
+fn assert_warned(overrides: &[&str], words: &str) {
+    let warnings = resolved("", overrides).unwrap().warnings;
+    assert!(warnings.iter().any(|w| w.contains(words)), "{overrides:?}: {warnings:?}");
 }
 
 #[test]

@@ -98,7 +98,7 @@ fn run(folder: &Path, scenario: &str, settings: &[&str]) -> (String, Value) {
 }
 
 #[test]
-fn an_exact_solution_is_not_refined() {
+fn class_60_an_exact_solution_is_not_refined() {
     let folder = folder();
     let (stdout, report) = run(folder.path(), "pulled", &[]);
     assert_eq!((&report["stop_reason"], report["steps"].as_array().unwrap().len()), (&"exact".into(), 1));
@@ -253,7 +253,7 @@ fn results_replace_nothing_but_earlier_results() {
 
 /// A surface inside the solid is named where the mesh is read, and where a load asks for it.
 #[test]
-fn a_group_inside_the_solid_is_named() {
+fn class_45_a_load_on_faces_inside_the_solid_is_refused_by_name() {
     let folder = folder();
     let two = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 7 \"interface\"\n$EndPhysicalNames\n$Nodes\n5\n\
                1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 0 0 -1\n$EndNodes\n$Elements\n3\n1 2 2 7 1 1 2 3\n\

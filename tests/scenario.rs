@@ -165,7 +165,7 @@ fn every_key_is_read() {
 }
 
 #[test]
-fn an_unknown_key_gives_line_column_and_suggestion() {
+fn class_47_an_unknown_key_gives_line_column_and_suggestion() {
     let fault = refuse("[mesh]\nfile = \"a\"\n[refine]\n  stepz = 3\n", &[]);
     assert_eq!((fault.place.as_str(), fault.key.as_str()), ("dir/case.toml:4:3", "refine.stepz"));
     assert_eq!(labelled(&fault), "stepz");
@@ -196,7 +196,7 @@ fn what_the_format_reserves_is_refused_with_what_to_use() {
 }
 
 #[test]
-fn a_wrong_type_names_path_expected_and_got() {
+fn class_48_a_wrong_type_names_path_expected_and_got() {
     for (text, key, expected, got) in [
         ("[refine]\nsteps = \"three\"", "refine.steps", "an integer", "\"three\""),
         ("[refine]\nsteps = 1.5", "refine.steps", "an integer", "1.5"),
@@ -280,7 +280,7 @@ fn ranges_are_kept() {
 }
 
 #[test]
-fn incompressible_is_refused_and_nearly_so_is_warned_of() {
+fn class_42_incompressible_is_refused_and_nearly_so_is_warned_of() {
     let fault = refuse(&BASE.replace("0.3", "0.5"), &[]);
     assert_eq!((fault.key.as_str(), labelled(&fault)), ("materials.steel.poissons_ratio", "0.5"));
     assert!(fault.message.contains("incompressible"));

@@ -117,7 +117,8 @@ fn a_map_is_judged_away_from_its_vertex() {
     let eight = spheres(8);
     let folded = analyse_vertex(&eight[13]);
     assert_eq!(eight[13].degrees(), [7, 7, 4, 4, 4, 4, 3, 3]);
-    assert!(folded.map.annulus.iter().all(|a| (a.inverted - 0.5).abs() < 0.02), "{:?}", folded.map.annulus);
+    // Half of the cells, and with them those that the mirror maps to themselves, which have no volume.
+    assert!(folded.map.folds() && (folded.map.finest().inverted - 0.5).abs() < 0.01, "{:?}", folded.map.annulus);
     let healed = spheres(9).iter().map(analyse_vertex).find(|v| v.map.annulus[0].worst < 0.0 && v.passes());
     let annulus = healed.unwrap().map.annulus;
     assert!(annulus.windows(2).all(|pair| pair[1].inverted <= pair[0].inverted), "{annulus:?}");

@@ -59,7 +59,7 @@ fn refused(command: &str, more: &str) -> (Option<i32>, String) {
 }
 
 #[test]
-fn a_second_part_that_can_slide_and_spin_is_refused_by_both_motions() {
+fn class_35_a_part_that_can_slide_and_spin_is_refused_by_both_motions() {
     // A hinge along the edge at x = 5, y = 0 that lets it slide too.
     let hinge = "[supports.hinge]\nfix = [\"x\", \"y\"]\nmeet = [{ plane = { normal = [1, 0, 0], offset = 5 } }, \
                  { plane = { normal = [0, 1, 0], offset = 0 } }]\n";
@@ -82,7 +82,7 @@ fn a_second_part_that_can_slide_and_spin_is_refused_by_both_motions() {
 }
 
 #[test]
-fn supports_that_contradict_each_other_are_refused_with_both_lines() {
+fn class_36_supports_that_contradict_each_other_are_refused_with_both_lines() {
     let more = "[supports.pull]\nplane = { normal = [0, 0, 1], offset = 1 }\ndisplacement = { x = 0.5 }\n\
                 [supports.far]\nplane = { normal = [1, 0, 0], offset = 6 }\nfix = [\"y\", \"z\"]\n";
     let (code, message) = refused("run", more);

@@ -67,6 +67,15 @@ impl System {
         residual(self, u)
     }
 
+    /// The first node whose stiffness or force is no finite number; else the one of the largest force.
+    pub(super) fn extreme_node(&self) -> usize {
+        let is_finite =
+            |i: &usize| self.loads[*i].is_finite() && self.stiffness.row(*i).all(|(_, block)| block.is_finite());
+        let size = |i: &usize| self.loads[*i].abs().max_element();
+        let largest = || (0..self.loads.len()).max_by(|a, b| size(a).total_cmp(&size(b)));
+        (0..self.loads.len()).find(|i| !is_finite(i)).or_else(largest).unwrap_or_default()
+    }
+
     /// The same matrix under other nodal forces, and other values of what is prescribed.
     pub(super) fn with_loads(self, loads: Vec<DVec3>, value: impl Fn(&Prescribed) -> f64) -> Self {
         Self { loads, numbering: self.numbering.with_values(value), ..self }

@@ -1,5 +1,6 @@
 //! Why a model cannot be solved.
 
+use super::{Space, System};
 use crate::field::Field;
 use glam::DVec3;
 
@@ -113,7 +114,7 @@ pub enum FemError {
         determinant: f64,
     },
     /// Numbers that overflow, or are lost in underflow.
-    #[error("the {what} leaves the range of double precision (about 1e-154 to 1e154 where squares are taken)")]
+    #[error("the {what} leaves the range of double precision (about 1e-154 to 1e154 where squares are taken){near}")]
     #[diagnostic(help(
         "a load, a prescribed displacement, a material constant or the size of the mesh is far too large or too small: \
          choose units in which they are of ordinary size"
@@ -121,6 +122,8 @@ pub enum FemError {
     OutOfRange {
         /// "stiffness matrix", "right-hand side" or "solution".
         what: &'static str,
+        /// The first cell where it does, if that is known, in words that follow.
+        near: String,
     },
     /// The stiffness matrix is not positive definite.
     #[error("the stiffness matrix is not positive definite ({detail})")]
@@ -168,6 +171,25 @@ pub enum FemError {
 }
 
 impl FemError {
+    /// The error of numbers that leave their range, of which no place is known yet.
+    pub(super) fn out_of_range(what: &'static str) -> Self {
+        Self::OutOfRange { what, near: String::new() }
+    }
+
+    /// The error, of numbers that leave their range with the first cell where they do.
+    #[must_use]
+    pub fn with_cell(self, space: &Space<'_>, system: &System) -> Self {
+        let Self::OutOfRange { what, .. } = self else { return self };
+        let node = system.extreme_node() as u32;
+        let cells = 0..space.mesh().tets().len();
+        let Some(cell) = { cells }.find(|&t| space.cell(t).any(|v| v == node)) else { return self };
+        let at = space.mesh().cell_points(cell).iter().sum::<DVec3>() / 4.0;
+        Self::OutOfRange {
+            what,
+            near: format!(": first in cell {cell}, near ({:.4e}, {:.4e}, {:.4e})", at.x, at.y, at.z),
+        }
+    }
+
     /// The error of a field of a support or load that is not finite at `position`.
     pub(super) fn not_finite_at(what: &'static str, name: &str, field: &Field, position: DVec3) -> Self {
         let (name, value) = (name.to_owned(), field.at(position));

@@ -63,6 +63,16 @@ fn touching(faces: &[SurfaceFace], edges: &[([u32; 2], Vec<usize>)]) -> Vec<u32>
     roots.chunk_by(|a, b| a == b).filter(|same| same.len() > 1).map(|same| same[0]).collect()
 }
 
+/// The edges with more than two boundary faces, and the vertices whose boundary faces do not hang together through edges; ascending.
+#[must_use]
+pub fn pinches(faces: &[Face]) -> (Vec<[u32; 2]>, Vec<u32>) {
+    let surface = |f: &Face| SurfaceFace { vertices: f.vertices, inner: 0, outer: None, patch: None };
+    let surface: Vec<SurfaceFace> = faces.iter().map(surface).collect();
+    let edges = surface_edges(&surface);
+    let pinched = edges.iter().filter(|(_, around)| around.len() > 2).map(|(edge, _)| *edge).collect();
+    (pinched, touching(&surface, &edges))
+}
+
 /// The root of a corner; halves the way to it for the next time.
 fn root(parents: &mut [usize], mut corner: usize) -> usize {
     while parents[corner] != corner {

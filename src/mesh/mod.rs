@@ -2,6 +2,7 @@
 //!
 //! A mesh is a value. Its fields are private, [`TetMesh::new`] checks them, and refinement returns a new mesh.
 
+pub mod contact;
 mod error;
 mod face_rows;
 pub mod features;

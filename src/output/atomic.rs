@@ -5,6 +5,9 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use tempfile::NamedTempFile;
 
+/// What the names of files begin with that are being written; a run that is killed may leave one.
+pub const TEMPORARY: &str = ".subsolid-";
+
 /// Writes a file through a temporary one beside it that takes its name when everything is on the disk. Whatever happens,
 /// `path` holds the old bytes or the new ones, and no other file stays behind.
 ///
@@ -42,6 +45,26 @@ pub fn ensure_parent(path: &Path) -> Result<(), OutputError> {
     Err(OutputError::NoFolder { path: path.to_owned(), folder: folder.to_owned() })
 }
 
+/// Checks that a file can be written: that its folder is there and files can be made in it, and that it is none of those that are
+/// read. `-`, standard output, needs nothing. To be called before the first long computation.
+///
+/// # Errors
+/// [`OutputError::NoFolder`], [`OutputError::Write`], [`OutputError::Overwrites`].
+pub fn ensure_target<'a>(path: &Path, inputs: impl IntoIterator<Item = &'a Path>) -> Result<(), OutputError> {
+    ensure_parent(path)?;
+    if path == Path::new("-") {
+        return Ok(());
+    }
+    if path.is_dir() {
+        return Err(OutputError::write(path, io::Error::other("it is a folder, not a file")));
+    }
+    let real = path.canonicalize().ok();
+    if real.is_some() && inputs.into_iter().any(|input| input.canonicalize().ok() == real) {
+        return Err(OutputError::Overwrites { path: path.to_owned() });
+    }
+    temporary(folder_of(path)).map(drop).map_err(|source| OutputError::write(path, source))
+}
+
 fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
@@ -58,7 +81,7 @@ fn replace(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) ->
 
 fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".subsolid-");
+    builder.prefix(TEMPORARY);
     // Temporary files are private by default; results get the permissions of any other new file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
@@ -75,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn a_failing_writer_leaves_the_old_file_and_nothing_else() {
+    fn class_53_a_full_disk_leaves_the_old_file_and_nothing_else() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("result.txt");
         write_atomic(&path, |w| w.write_all(b"old")).unwrap();

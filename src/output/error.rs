@@ -41,6 +41,13 @@ pub enum OutputError {
         /// The file.
         path: PathBuf,
     },
+    /// A file to be written is one that is read.
+    #[error("{path} is read by this command, and would be written over", path = path.display())]
+    #[diagnostic(help("name another file to write; nothing was computed or written"))]
+    Overwrites {
+        /// The file.
+        path: PathBuf,
+    },
     /// Results are not such that a page can show them.
     #[error("cannot show {path}: {why}", path = path.display())]
     #[diagnostic(help(

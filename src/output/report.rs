@@ -7,9 +7,11 @@ use super::atomic::write_atomic;
 use super::options::Units;
 use crate::mesh::hex::{self, HexMesh};
 use crate::mesh::{Crease, TetMesh, features, quality, topology};
+use serde::de::{MapAccess, Visitor};
 use serde::ser::SerializeMap;
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::io::{self, Write as _};
+use std::marker::PhantomData;
 use std::path::Path;
 
 /// A whole run: `report.json`.
@@ -90,7 +92,7 @@ pub enum StopReason {
 }
 
 /// One pass of the loop: a mesh, its solution, its error, and what they cost.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StepRecord {
     /// Index from 0.
     pub step: usize,
@@ -118,15 +120,15 @@ pub struct StepRecord {
     /// Most memory held at a time since the run began.
     pub peak_memory_bytes: u64,
     /// Total force (x, y, z) that each support exerts, in the scenario's order.
-    #[serde(serialize_with = "as_map")]
+    #[serde(serialize_with = "as_map", deserialize_with = "of_map")]
     pub reactions: Vec<(String, [f64; 3])>,
     /// Named quantities, in the scenario's order.
-    #[serde(serialize_with = "as_map")]
+    #[serde(serialize_with = "as_map", deserialize_with = "of_map")]
     pub quantities: Vec<(String, QuantityRecord)>,
 }
 
 /// Counts and measures of a mesh.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MeshCounts {
     /// Cells.
     pub cells: usize,
@@ -146,7 +148,7 @@ pub struct MeshCounts {
 
 /// Estimated error of a solution. With eta_K the estimated energy norm of the error in cell K (eta_K^2 stands for a(e, e)
 /// on K, without the factor 1/2) and M = max eta_K at step 0.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ErrorRecord {
     /// eta = sqrt(sum eta_K^2).
     pub energy: f64,
@@ -169,7 +171,7 @@ pub struct ErrorRecord {
 }
 
 /// Shape of the cells of a mesh: minimum dihedral angles in degrees, and valences (cells at a vertex).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct QualityRecord {
     /// Smallest over the cells.
     pub worst: f64,
@@ -188,7 +190,7 @@ pub struct QualityRecord {
 }
 
 /// What the linear solver did.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SolverRecord {
     /// Its name.
     pub method: String,
@@ -203,7 +205,7 @@ pub struct SolverRecord {
 }
 
 /// Wall time of the phases of a step, in seconds.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct PhaseSeconds {
     /// Making this step's mesh from the one before; 0 at step 0.
     pub refine: f64,
@@ -230,7 +232,7 @@ impl PhaseSeconds {
 }
 
 /// A named quantity and its estimated error.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct QuantityRecord {
     /// Its value; of the quantity aimed at corrected by its estimated error.
     pub value: f64,
@@ -388,6 +390,27 @@ pub(super) fn as_map<T: Serialize, S: Serializer>(entries: &[(String, T)], seria
         map.serialize_entry(name, value)?;
     }
     map.end()
+}
+
+/// What [`as_map`] wrote, in its order.
+fn of_map<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<(String, T)>, D::Error> {
+    struct Entries<T>(PhantomData<T>);
+    impl<'de, T: Deserialize<'de>> Visitor<'de> for Entries<T> {
+        type Value = Vec<(String, T)>;
+
+        fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+            f.write_str("a table")
+        }
+
+        fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+            let mut entries = Vec::new();
+            while let Some(entry) = map.next_entry()? {
+                entries.push(entry);
+            }
+            Ok(entries)
+        }
+    }
+    deserializer.deserialize_map(Entries(PhantomData))
 }
 
 #[cfg(test)]

@@ -113,7 +113,8 @@ pub(super) fn solved<'m>(
     phase.say(format!("{name}: solve {} equations", unknown.free_dofs()));
     let mut kept = Kept::default();
     let options = &plan.scenario.solver;
-    let solved = timed(&mut seconds.solve, || fem::solve_keeping(unknown, options, guess, &mut kept))?;
+    let solved = timed(&mut seconds.solve, || fem::solve_keeping(unknown, options, guess, &mut kept));
+    let solved = solved.map_err(|error| if control.is_none() { error.with_cell(&space, unknown) } else { error })?;
     let kept = if problem.goal.is_some() { kept } else { Kept::default() };
     phase.say(format!("{name}: estimate the error"));
     let estimator = plan.scenario.adapt.estimator;

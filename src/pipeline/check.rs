@@ -5,6 +5,7 @@ use super::forecast::{self, Forecast};
 use super::hexes::check_hexes;
 use super::inspect::{describe_groups, describe_mesh};
 use super::resolve::{Resolved, check_supports, choose_materials};
+use super::smooth::check_size;
 use super::{RunOptions, load, print, resolve, wrapped};
 use crate::error::Error;
 use crate::mesh::{Tagged, TetMesh};
@@ -26,12 +27,14 @@ pub fn check(scenario: &Scenario, options: &RunOptions) -> Result<(), Error> {
     if let Some(hexes) = scenario.hexes {
         return check_hexes(scenario, hexes, options);
     }
+    options.check_targets(scenario)?;
     let start = Instant::now();
     let file = load::load(scenario)?;
     let given_groups = file.mesh.groups().len();
     let resolved =
         resolve::resolve_curved(scenario, file.mesh, file.midsides).map_err(|e| e.with_inner(&file.inner_groups))?;
     check_supports(scenario, &resolved)?;
+    scenario.smooth.map_or(Ok(()), |smooth| check_size(&resolved.mesh, smooth))?;
     let forecast = Forecast::of(scenario, &resolved)?;
     if let Some(path) = &options.json {
         let details = Details {

@@ -1,6 +1,7 @@
 //! `subsolid compare`: the same scenario refined globally and adaptively, and what adaptivity saved.
 
 use super::doubts::ending;
+use super::forecast;
 use super::leftovers;
 use super::page;
 use super::passes::{self, Contestant};
@@ -33,6 +34,9 @@ pub fn compare(scenario: &Scenario, options: &RunOptions, repeat: usize) -> Resu
         return Err(Error::NothingAdaptive);
     }
     let problem = prepare(scenario, options)?;
+    for strategy in [Strategy::Global, Strategy::Adaptive] {
+        forecast::refuse_too_large(scenario, strategy, &problem)?;
+    }
     if !options.quiet && (scenario.refine.strategy == Strategy::None || scenario.refine.steps == 0) {
         print(NOTHING_REFINED)?;
     }

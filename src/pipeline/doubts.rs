@@ -169,7 +169,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_estimate_that_does_not_fall_is_doubted() {
+    fn class_59_an_estimate_that_does_not_fall_is_doubted() {
         assert!(growth(2, 0.3, 0.31).unwrap().contains("grew from 30.0 to 31.0 %"));
         assert!(growth(1, 0.3, 0.3).is_some());
         for (before, now) in [(0.3, 0.29), (0.0, 0.0), (f64::NAN, 0.3), (0.3, f64::NAN)] {

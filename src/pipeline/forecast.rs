@@ -2,10 +2,11 @@
 
 use super::resolve::Resolved;
 use crate::adapt::options::Marking;
+use crate::error::Error;
 use crate::fem::options::{Element, Method};
 use crate::fem::{self, FemError};
 use crate::mesh::{TetMesh, surface, topology};
-use crate::scenario::{Scenario, Strategy};
+use crate::scenario::{Scenario, Stop, Strategy};
 use crate::subdiv::options::{Boundary, Mode, Octahedra, Scheme, SmoothBasis};
 use serde::Serialize;
 
@@ -16,6 +17,10 @@ use serde::Serialize;
 const BASE_BYTES: f64 = 14e6;
 const BYTES_A_CELL: [f64; 2] = [930.0, 1150.0];
 const BYTES_A_QUADRATIC_CELL: [f64; 2] = [6300.0, 7600.0];
+
+/// Those a cell of the mesh that a smooth solid is analysed on, where the unknowns are those of its control points: the product of the
+/// matrix and the basis has a row a node too.
+const BYTES_A_RESTRICTED_CELL: [f64; 2] = [1700.0, 1900.0];
 
 /// Those a cell of ten nodes that the direct method needs more for its copy of the matrix; for four nodes they are no more than what a
 /// multigrid would take.
@@ -82,13 +87,17 @@ impl Forecast {
             let Some(next) = sizes.refined(scenario) else {
                 break "further steps depend on the solution: the marking is by a threshold".to_owned();
             };
-            let bytes = next.analysed(scenario).bytes(true, scenario);
+            let (cells, bytes) = (next.analysed(scenario).cells, next.analysed(scenario).bytes(true, scenario));
+            if cells > f64::from(u32::MAX) {
+                break "more cells than can be numbered".to_owned();
+            }
             if let Some(most) = refine.stop.max_memory.filter(|most| bytes > *most as f64) {
                 break format!("max_memory = {most}, the next step would take {}", size(bytes as u64));
             }
             sizes = next;
-            // Red refinement counts exactly, all else depends on what the optimiser finds.
-            exact &= refine.options.scheme == Scheme::Red && refine.options.optimise.mode == Mode::Paper;
+            // Red refinement counts exactly, all else depends on what the optimiser finds, which leaves control meshes alone.
+            let as_made = refine.options.optimise.mode == Mode::Paper || scenario.smooth.is_some();
+            exact &= refine.options.scheme == Scheme::Red && as_made;
         };
         Ok(Self { steps, end, free_bytes: free_bytes() })
     }
@@ -144,6 +153,7 @@ impl Sizes {
         let refined = usize::from(refined);
         let factor = 8.0 * self.factor * self.dofs(scenario.element).powf(FACTOR_GROWTH);
         let a_cell = match (scenario.element, scenario.solver.method) {
+            (Element::Tet4, _) if is_restricted(scenario) => BYTES_A_RESTRICTED_CELL[refined],
             (Element::Tet4, _) => BYTES_A_CELL[refined],
             (Element::Tet10, Method::Direct) => BYTES_A_QUADRATIC_CELL[refined] + BYTES_A_QUADRATIC_CELL_COPIED,
             (Element::Tet10, _) => BYTES_A_QUADRATIC_CELL[refined],
@@ -158,13 +168,17 @@ impl Sizes {
 
     /// The mesh of the next step; `None` where only the solution knows.
     fn refined(&self, scenario: &Scenario) -> Option<Self> {
+        self.refined_by(scenario, scenario.refine.strategy)
+    }
+
+    fn refined_by(&self, scenario: &Scenario, strategy: Strategy) -> Option<Self> {
         let options = &scenario.refine.options;
         let all = match options.scheme {
             Scheme::Red => self.red(),
             Scheme::Sqrt3 => self.sqrt3(options.boundary),
             Scheme::LongestEdge => self.bisected(),
         };
-        if scenario.refine.strategy == Strategy::Global {
+        if strategy == Strategy::Global {
             return Some(all);
         }
         let share = share(scenario.adapt.marking, scenario.adapt.grow, scenario.element)?;
@@ -298,6 +312,57 @@ fn share(marking: Marking, rings: usize, element: Element) -> Option<f64> {
 pub(super) fn next_bytes(peak: usize, growth: f64, method: &str) -> f64 {
     let base = BASE_BYTES.min(peak as f64);
     base + (peak as f64 - base) * if method == "direct" { growth.powf(FACTOR_GROWTH) } else { growth }
+}
+
+/// Refuses a run whose mesh, or of a global one any later step, needs more memory than can be had. Runs that may end before, by a tolerance
+/// or another rule, and adaptive ones, whose meshes the solution makes, begin: the loop looks at memory before each step.
+///
+/// # Errors
+/// [`Error::TooLarge`] names the step, what it needs, and the largest step that fits.
+pub(super) fn refuse_too_large(scenario: &Scenario, strategy: Strategy, problem: &Resolved) -> Result<(), Error> {
+    let Some(most) = available(0) else { return Ok(()) };
+    let rules = &scenario.refine.stop;
+    let may_end_before = *rules != Stop::default() || scenario.adapt.goal.is_some();
+    let mut sizes = Sizes::of(&problem.mesh);
+    for step in 0..=scenario.refine.steps {
+        let needs = sizes.analysed(scenario).bytes(step > 0, scenario);
+        if needs > most as f64 {
+            let help = match step {
+                0 => "take a coarser mesh, or four-node elements (analysis.element = \"tet4\")".to_owned(),
+                _ => format!(
+                    "--set refine.steps={} fits; or let the run end by itself: --set refine.stop.max_memory=\"{:.0} MB\"",
+                    step - 1,
+                    most as f64 / 1e6
+                ),
+            };
+            let what = format!("step {step} of this run needs about");
+            return Err(Error::TooLarge { what, needs: size(needs as u64), most: size(most), help });
+        }
+        if may_end_before || strategy != Strategy::Global {
+            break;
+        }
+        match sizes.refined_by(scenario, strategy) {
+            Some(next) => sizes = next,
+            None => break,
+        }
+    }
+    Ok(())
+}
+
+/// Memory that this process can have in all when it holds `held` bytes: what is free, within the limits of the address space and of its
+/// group, where the system tells (Linux).
+pub(super) fn available(held: u64) -> Option<u64> {
+    let free = free_bytes().map(|free| free + held);
+    let number = |path: &str| std::fs::read_to_string(path).ok()?.trim().parse::<u64>().ok();
+    let group = number("/sys/fs/cgroup/memory.max").or_else(|| number("/sys/fs/cgroup/memory/memory.limit_in_bytes"));
+    [free, group, address_space()].into_iter().flatten().min()
+}
+
+/// The limit of the address space (`ulimit -v`).
+fn address_space() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/self/limits").ok()?;
+    let line = text.lines().find_map(|l| l.strip_prefix("Max address space"))?;
+    line.split_whitespace().next()?.parse().ok()
 }
 
 /// Memory that programs can get without swapping, where the system tells (Linux).

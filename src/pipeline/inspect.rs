@@ -7,6 +7,7 @@ use crate::error::Error;
 use crate::mesh::hex::read::HexFile;
 use crate::mesh::read::AnyMesh;
 use crate::mesh::{GroupId, Tagged as _, TetMesh, features, quality, read, topology};
+use crate::output::atomic::ensure_target;
 use crate::output::report::write_json;
 use crate::output::table::{table, text};
 use std::path::{Path, PathBuf};
@@ -30,6 +31,8 @@ pub struct Inspection {
 /// # Errors
 /// [`Error::Mesh`] or [`Error::Hex`] if it cannot be read, [`Error::Output`] if the JSON file cannot be written.
 pub fn inspect(inspection: &Inspection) -> Result<(), Error> {
+    let json = &inspection.json;
+    json.iter().try_for_each(|path| ensure_target(path, [&*inspection.mesh]))?;
     let start = Instant::now();
     let file = match read::read_any(&load::find(&inspection.mesh, Path::new(""))?)? {
         AnyMesh::Tets(file) => file,

@@ -4,17 +4,20 @@
 //! `results.pvd` lists and the probes of `scenario.toml`. Everything else is the user's: it is never removed, and nothing
 //! is written over it.
 
+use super::checkpoint;
 use super::load::find;
 use super::quantities::probe_file;
 use super::results::step_file;
 use crate::output::OutputError;
+use crate::output::atomic::TEMPORARY;
 use crate::scenario::{MeshSource, Scenario};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
 /// The files of a run, but for its steps and probes.
-const RUN: [&str; 10] = [
+const RUN: [&str; 11] = [
+    checkpoint::FILE,
     "view.py",
     "report.html",
     "report.json",
@@ -42,7 +45,8 @@ const COMPARISON: [&str; 10] = [
 ];
 
 /// All names that are ours in a folder of results, those that mark it last: a removal that is cut off can be taken up again.
-const FILES: [&str; 17] = [
+const FILES: [&str; 18] = [
+    checkpoint::FILE,
     "view.py",
     "report.html",
     "table.txt",
@@ -197,21 +201,43 @@ fn ours(folder: &Path, scenario: &Scenario) -> Result<Vec<PathBuf>, OutputError>
         return Ok(Vec::new());
     }
     let mut names = listed_steps(&text("results.pvd"));
+    // A killed run may have written a step that it had not listed yet.
+    names.push(step_file(names.iter().filter_map(|name| number(name)).max().map_or(0, |last| last + 1)));
     let probes = text("scenario.toml").parse::<toml::Table>().ok().and_then(|mut table| table.remove("probes"));
     names.extend(probes.iter().filter_map(toml::Value::as_table).flat_map(toml::Table::keys).map(|p| probe_file(p)));
     names.extend(FILES.map(str::to_owned));
     let there = entries(folder)?;
-    Ok(names.into_iter().map(|name| folder.join(name)).filter(|file| there.contains(file) && is_file(file)).collect())
+    let named = names.into_iter().map(|name| folder.join(name)).filter(|file| there.contains(file));
+    Ok(named.chain(abandoned(&there)).filter(|file| is_file(file)).collect())
+}
+
+/// Files that a killed run was writing.
+fn abandoned(files: &[PathBuf]) -> Vec<PathBuf> {
+    let is_ours = |file: &&PathBuf| file.file_name().is_some_and(|n| n.to_string_lossy().starts_with(TEMPORARY));
+    files.iter().filter(is_ours).cloned().collect()
+}
+
+/// Removes what a killed run was writing, before it goes on.
+///
+/// # Errors
+/// [`OutputError::Write`] names what cannot be removed.
+pub(super) fn remove_abandoned(folder: &Path) -> Result<(), OutputError> {
+    abandoned(&entries(folder)?)
+        .iter()
+        .try_for_each(|file| fs::remove_file(file).map_err(|e| OutputError::write(file, e)))
 }
 
 /// The steps that a collection lists.
 pub(super) fn listed_steps(collection: &str) -> Vec<String> {
     let names = collection.split("file=\"").skip(1).filter_map(|rest| rest.split_once('"'));
-    let is_step = |name: &&str| {
-        let number = name.strip_prefix("step_").and_then(|rest| rest.strip_suffix(".vtu"));
-        number.is_some_and(|n| n.bytes().all(|b| b.is_ascii_digit()))
-    };
+    let is_step = |name: &&str| number(name).is_some();
     names.map(|(name, _)| name).filter(is_step).map(str::to_owned).collect()
+}
+
+/// The number of a step's file.
+fn number(name: &str) -> Option<usize> {
+    let digits = name.strip_prefix("step_")?.strip_suffix(".vtu")?;
+    digits.parse().ok().filter(|_| digits.bytes().all(|b| b.is_ascii_digit()))
 }
 
 fn is_file(path: &Path) -> bool {

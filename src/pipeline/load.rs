@@ -1,7 +1,7 @@
 //! From a scenario's `[mesh]` to a mesh.
 
 use crate::mesh::generate::{self, Curved};
-use crate::mesh::read::{Edges, MeshFile, read_with};
+use crate::mesh::read::{Edges, MeshFile, Reading, read_with};
 use crate::mesh::{MeshError, TetMesh};
 use crate::scenario::{MeshSource, Midside, Scenario, Shape};
 use std::io::{Error as IoError, ErrorKind};
@@ -15,7 +15,7 @@ pub const DATA_VARIABLE: &str = "SUBSOLID_DATA";
 /// # Errors
 /// [`MeshError`]: the file is in none of the places looked at, or it is not a mesh.
 pub fn load(scenario: &Scenario) -> Result<MeshFile, MeshError> {
-    load_source(&scenario.mesh, scenario.midside, &scenario.directory)
+    read_or_make(&scenario.mesh, scenario.midside, scenario.merge, &scenario.directory)
 }
 
 /// As [`load`], of a scenario of any kind in the folder `beside`.
@@ -23,13 +23,17 @@ pub fn load(scenario: &Scenario) -> Result<MeshFile, MeshError> {
 /// # Errors
 /// As [`load`].
 pub fn load_source(source: &MeshSource, midside: Midside, beside: &Path) -> Result<MeshFile, MeshError> {
+    read_or_make(source, midside, false, beside)
+}
+
+fn read_or_make(source: &MeshSource, midside: Midside, merge: bool, beside: &Path) -> Result<MeshFile, MeshError> {
     match source {
         MeshSource::File(file) => {
             let edges = match midside {
                 Midside::Straight => Edges::Straight,
                 Midside::Curved => Edges::Curved,
             };
-            read_with(&find(file, beside)?, edges)
+            read_with(&find(file, beside)?, Reading { edges, merge })
         }
         MeshSource::Box { size, cells } => {
             let mesh = generate::box_tets(*size, *cells).map_err(|e| of_key("box", e))?;

@@ -3,6 +3,7 @@
 pub mod again;
 mod analyse;
 pub mod check;
+mod checkpoint;
 pub mod choice;
 pub mod compare;
 mod describe;
@@ -11,6 +12,7 @@ mod forecast;
 pub mod hexes;
 mod hints;
 pub mod inspect;
+pub mod interrupt;
 mod leftovers;
 pub mod load;
 mod loading;
@@ -34,12 +36,14 @@ mod tolerance;
 pub mod variants;
 pub mod verify;
 
+pub use checkpoint::ResumeError;
 pub use model_error::ModelError;
 
 use crate::error::Error;
 use crate::mesh::Tagged;
+use crate::output::atomic::ensure_target;
 use crate::output::table::{COLUMNS, short};
-use crate::scenario::Scenario;
+use crate::scenario::{MeshSource, Scenario};
 use glam::DVec3;
 use std::io::{ErrorKind, Write as _};
 use std::path::PathBuf;
@@ -62,6 +66,8 @@ pub struct RunOptions {
     pub quiet: bool,
     /// Further file for the report.
     pub json: Option<PathBuf>,
+    /// Go on from the checkpoint that an interrupted run left.
+    pub resume: bool,
     /// The memory counter.
     pub memory: MemoryProbe,
 }
@@ -71,6 +77,16 @@ impl RunOptions {
     #[must_use]
     pub fn folder(&self, scenario: &Scenario) -> PathBuf {
         self.output.clone().unwrap_or_else(|| PathBuf::from("results").join(scenario.name()))
+    }
+
+    /// Checks that the further file for the report can be written, and is none that the scenario reads.
+    fn check_targets(&self, scenario: &Scenario) -> Result<(), Error> {
+        let mesh = match &scenario.mesh {
+            MeshSource::File(file) => Some(load::find(file, &scenario.directory)?),
+            MeshSource::Box { .. } | MeshSource::Shape(_) => None,
+        };
+        let inputs = || mesh.as_deref().into_iter().chain([&*scenario.path]);
+        Ok(self.json.iter().try_for_each(|path| ensure_target(path, inputs()))?)
     }
 }
 

@@ -1,12 +1,13 @@
 //! Runs that are compared: each once with its results, and short ones again for the sake of their times.
 
+use super::doubts::ending;
 use super::results::Results;
 use super::simulate::{Plan, simulate};
-use super::{RunOptions, resolve::Resolved};
+use super::{RunOptions, interrupt, resolve::Resolved};
 use crate::error::Error;
 use crate::output::page::Steps;
 use crate::output::progress::Progress;
-use crate::output::report::{PhaseSeconds, Report};
+use crate::output::report::{PhaseSeconds, Report, StopReason};
 use crate::scenario::{Scenario, Strategy};
 
 /// A pass over all runs that takes longer than this is not repeated.
@@ -42,12 +43,15 @@ pub(super) fn reports(
     let folder = options.folder(of);
     let first = |run: &Contestant<'_>| {
         let mut results = Results::begin(folder.join(run.name), run.scenario, run.problem, run.strategy)?;
-        let report = simulate(run.problem, &run.plan(options), &mut |step| results.step(step))?;
+        let report = simulate(run.problem, &run.plan(options), &mut |step| results.write(step))?;
         let steps = results.finish(&report)?;
-        Ok((report, steps))
+        match report.stop_reason {
+            StopReason::Interrupted => Err(interrupted(run, &report)),
+            _ => Ok((report, steps)),
+        }
     };
     let mut reports = runs.iter().map(first).collect::<Result<Vec<_>, Error>>()?;
-    if reports.iter().map(|(r, _)| r.seconds_total).sum::<f64>() < SHORT_SECONDS {
+    if !interrupt::is_asked() && reports.iter().map(|(r, _)| r.seconds_total).sum::<f64>() < SHORT_SECONDS {
         for (run, (report, _)) in runs.iter().zip(&mut reports) {
             let again = |_| simulate(run.problem, &run.plan(options), &mut |_| Ok(()));
             let others = (1..pass_count(report, repeat)).map(again).collect::<Result<Vec<Report>, Error>>()?;
@@ -55,6 +59,11 @@ pub(super) fn reports(
         }
     }
     Ok(reports)
+}
+
+/// The error of a comparison that the user ended.
+fn interrupted(run: &Contestant<'_>, report: &Report) -> Error {
+    Error::Interrupted { ending: format!("{}: {}", run.name, ending(run.scenario, run.strategy, report)) }
 }
 
 impl Contestant<'_> {

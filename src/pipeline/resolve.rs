@@ -8,6 +8,7 @@ use crate::mesh::locate::Locator;
 use crate::mesh::midside::Midside;
 use crate::mesh::{GroupId, Tagged, TetMesh, features, topology};
 use crate::output::report::Selection;
+use crate::output::table::short;
 use crate::scenario::{Features, Load, LoadKind, Material, Scenario, Selector, Support, suggest};
 use glam::DVec3;
 use miette::Diagnostic as _;
@@ -76,10 +77,32 @@ pub fn resolve_curved(scenario: &Scenario, mesh: TetMesh, midsides: Vec<Midside>
     let mut warnings =
         if exact.is_none() { loading::warnings(&space, &model, &prescribed).map_err(with_place)? } else { Vec::new() };
     warnings.extend(loading::idle_supports(&model, &prescribed));
+    warnings.extend(odd_units(scenario, &mesh));
     warnings.extend(goal.and_then(|goal| loading::shared_reaction(&space, &model, &quantities[goal])));
     drop(space);
     let mesh = with_features(&scenario.features, mesh)?;
     Ok(Resolved { mesh, midsides, element: scenario.element, model, quantities, goal, exact, selections, warnings })
+}
+
+/// Young's modulus from which it is one in pascals: no material has so many megapascals.
+const PASCALS: f64 = 1e8;
+
+/// Size of a model from which its lengths are hardly metres.
+const LARGE: f64 = 100.0;
+
+/// A warning where the modulus is in pascals by its size, and lengths are not in metres; none if the scenario says what its lengths are.
+pub(super) fn odd_units(scenario: &Scenario, mesh: &impl Tagged) -> Option<String> {
+    let modulus = scenario.materials.iter().map(|m| m.youngs_modulus).fold(0.0, f64::max);
+    let (lo, hi) = mesh.limits();
+    let odd = scenario.units.length.is_none() && modulus >= PASCALS && lo.distance(hi) >= LARGE;
+    odd.then(|| {
+        format!(
+            "a Young's modulus of {} is one in pascals, but the model spans {}, which would be metres: for lengths in millimetres give \
+             moduli in megapascals (N/mm2), or say units.length",
+            short(modulus, 6),
+            span(mesh)
+        )
+    })
 }
 
 /// What a scenario's words mean on a body: groups, regions and materials found.

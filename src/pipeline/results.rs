@@ -1,11 +1,12 @@
 //! The folder of a run: a VTK file each step and their collection, the report, tables, plots, the scenario's copy.
 
+use super::checkpoint;
 use super::leftovers;
 use super::load::find;
 use super::page::{self, PAGE};
 use super::quantities::write_probes;
 use super::resolve::Resolved;
-use super::simulate::Step;
+use super::simulate::{Observe, State, Step};
 use crate::error::Error;
 use crate::fem;
 use crate::mesh::quality;
@@ -13,10 +14,12 @@ use crate::output::atomic::{ensure_writable_dir, write_atomic};
 use crate::output::options::FieldName;
 use crate::output::page::{Shown, Solved, Steps};
 use crate::output::plot::{dihedral_histogram, error_histogram};
-use crate::output::report::{Report, write_json};
+use crate::output::report::{Report, StopReason, write_json};
 use crate::output::vtk::{Fields, Values, write_vtu};
 use crate::output::{OutputError, pvd, table};
 use crate::scenario::{MeshSource, Scenario, Strategy};
+use serde::{Deserialize, Serialize};
+use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 /// The folder of a run of any kind of cells.
@@ -85,10 +88,30 @@ impl<'a> Folder<'a> {
 pub(super) struct Results<'a> {
     folder: Folder<'a>,
     problem: &'a Resolved,
-    /// Minimum dihedral angles and errors of the cells of each step, for the histograms.
+    kept: Kept,
+    /// Of a run that may be resumed.
+    identity: Option<[u8; blake3::OUT_LEN]>,
+}
+
+/// Minimum dihedral angles and errors of the cells of each step, for the histograms.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(super) struct Kept {
     angles: Vec<(String, Vec<f64>)>,
     errors: Vec<(String, Vec<f64>)>,
     page: Option<Steps>,
+}
+
+impl Observe for Results<'_> {
+    fn before(&mut self, state: &State) -> Result<(), Error> {
+        match &self.identity {
+            Some(identity) => Ok(checkpoint::write(&self.folder.path(checkpoint::FILE), identity, state, &self.kept)?),
+            None => Ok(()),
+        }
+    }
+
+    fn step(&mut self, step: &Step<'_>) -> Result<(), Error> {
+        self.write(step)
+    }
 }
 
 impl<'a> Results<'a> {
@@ -103,12 +126,44 @@ impl<'a> Results<'a> {
         strategy: Strategy,
     ) -> Result<Self, Error> {
         let folder = Folder::begin(folder, scenario, strategy)?;
-        let page = page::begin(scenario, &problem.model);
-        Ok(Self { folder, problem, angles: Vec::new(), errors: Vec::new(), page })
+        let kept = Kept { page: page::begin(scenario, &problem.model), ..Kept::default() };
+        Ok(Self { folder, problem, kept, identity: None })
+    }
+
+    /// As [`Results::begin`], with a checkpoint before each step.
+    ///
+    /// # Errors
+    /// As [`Results::begin`].
+    pub(super) fn begin_resumable(
+        folder: PathBuf,
+        scenario: &'a Scenario,
+        problem: &'a Resolved,
+    ) -> Result<Self, Error> {
+        let identity = Some(checkpoint::identity(scenario, problem));
+        Ok(Self { identity, ..Self::begin(folder, scenario, problem, scenario.refine.strategy)? })
+    }
+
+    /// Goes on with the folder of a run that was interrupted; gives the state that it left.
+    ///
+    /// # Errors
+    /// [`Error::Resume`] if there is none, or it is of another run.
+    pub(super) fn resume(
+        folder: PathBuf,
+        scenario: &'a Scenario,
+        problem: &'a Resolved,
+    ) -> Result<(Self, State), Error> {
+        let identity = checkpoint::identity(scenario, problem);
+        let (state, mut kept) = checkpoint::read(&folder.join(checkpoint::FILE), &identity)?;
+        kept.page = page::begin(scenario, &problem.model).zip(kept.page).map(|(page, earlier)| page.after(earlier));
+        leftovers::remove_abandoned(&folder)?;
+        let steps = if scenario.output.vtk { state.steps.len() } else { 0 };
+        let files = (0..steps).map(|i| (i as f64, step_file(i))).collect();
+        let folder = Folder { folder, scenario, files };
+        Ok((Self { folder, problem, kept, identity: Some(identity) }, state))
     }
 
     /// Writes a step.
-    pub(super) fn step(&mut self, step: &Step<'_>) -> Result<(), Error> {
+    pub(super) fn write(&mut self, step: &Step<'_>) -> Result<(), Error> {
         let label = format!("step {}: {} cells", step.index, step.mesh.tets().len());
         let indicator: Vec<f64> = step.analysed.errors.squared.iter().map(|e| e.sqrt()).collect();
         let angles = quality::min_dihedrals(step.mesh);
@@ -118,7 +173,7 @@ impl<'a> Results<'a> {
         }
         // Those of the last step stay.
         write_probes(&self.folder.folder, &scenario.probes, self.problem, step.analysed)?;
-        if let Some(page) = &mut self.page {
+        if let Some(page) = &mut self.kept.page {
             let solved = Solved {
                 displacement: &step.analysed.solution.displacement,
                 stress: &step.analysed.errors.nodal_stress,
@@ -128,8 +183,8 @@ impl<'a> Results<'a> {
             };
             page.add(&self.folder.path(PAGE), &Shown::tetrahedra(&step.analysed.space), &solved)?;
         }
-        self.angles.push((label.clone(), angles));
-        self.errors.push((label, indicator));
+        self.kept.angles.push((label.clone(), angles));
+        self.kept.errors.push((label, indicator));
         Ok(())
     }
 
@@ -162,10 +217,14 @@ impl<'a> Results<'a> {
         self.folder.finish(report)?;
         let scenario = self.folder.scenario;
         if scenario.output.report {
-            dihedral_histogram(&self.folder.path("dihedral_angles.svg"), &self.angles)?;
-            error_histogram(&self.folder.path("cell_errors.svg"), &self.errors, scenario.units.energy.as_deref())?;
+            dihedral_histogram(&self.folder.path("dihedral_angles.svg"), &self.kept.angles)?;
+            error_histogram(&self.folder.path("cell_errors.svg"), &self.kept.errors, scenario.units.energy.as_deref())?;
         }
-        Ok(self.page)
+        let checkpoint = self.folder.path(checkpoint::FILE);
+        if self.identity.is_some() && report.stop_reason != StopReason::Interrupted {
+            fs::remove_file(&checkpoint).map_err(|e| OutputError::write(&checkpoint, e))?;
+        }
+        Ok(self.kept.page)
     }
 }
 

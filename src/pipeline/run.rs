@@ -1,12 +1,13 @@
 //! `subsolid run`: one scenario from its file to its results.
 
 use super::doubts::ending;
+use super::forecast;
 use super::leftovers;
 use super::page;
 use super::quantities::failed_expectations;
 use super::resolve::{Resolved, check_supports, resolve_curved};
 use super::results::Results;
-use super::simulate::{Plan, simulate};
+use super::simulate::{Plan, State, simulate_from};
 use super::{RunOptions, hexes, load::load, print, tolerance, wrapped};
 use crate::error::Error;
 use crate::fem::options::Element;
@@ -15,7 +16,7 @@ use crate::output::compare::{TRUE, error_source};
 use crate::output::page::Steps;
 use crate::output::plot::{Axis, error_curves};
 use crate::output::progress::Progress;
-use crate::output::report::{Report, write_json};
+use crate::output::report::{Report, StopReason, write_json};
 use crate::output::table;
 use crate::scenario::{Scenario, Strategy};
 use std::path::Path;
@@ -39,17 +40,15 @@ pub(super) fn execute(scenario: &Scenario, options: &RunOptions) -> Result<Repor
         return hexes::execute(scenario, hexes, options);
     }
     let problem = prepare(scenario, options)?;
-    let folder = options.folder(scenario);
-    ensure_writable_dir(&folder)?;
-    leftovers::for_run(&folder, scenario)?;
-    let mut results = Results::begin(folder, scenario, &problem, scenario.refine.strategy)?;
+    forecast::refuse_too_large(scenario, scenario.refine.strategy, &problem)?;
+    let (mut results, state) = begin(scenario, options, &problem)?;
     let plan = Plan {
         scenario,
         strategy: scenario.refine.strategy,
         memory: options.memory,
         progress: Progress::new(options.quiet),
     };
-    let report = simulate(&problem, &plan, &mut |step| results.step(step))?;
+    let report = simulate_from(state, &problem, &plan, &mut results)?;
     if scenario.output.report {
         plot_curves(&options.folder(scenario), scenario.element, &[("this run", &report)])?;
     }
@@ -57,6 +56,21 @@ pub(super) fn execute(scenario: &Scenario, options: &RunOptions) -> Result<Repor
     write_page(scenario, options, &report, steps.as_ref())?;
     conclude(scenario, options, &report, &problem.warnings)?;
     Ok(report)
+}
+
+/// Makes room for the results of a run, or goes on with those there are; with the state to begin from.
+fn begin<'a>(
+    scenario: &'a Scenario,
+    options: &RunOptions,
+    problem: &'a Resolved,
+) -> Result<(Results<'a>, State), Error> {
+    let folder = options.folder(scenario);
+    if options.resume {
+        return Results::resume(folder, scenario, problem);
+    }
+    ensure_writable_dir(&folder)?;
+    leftovers::for_run(&folder, scenario)?;
+    Ok((Results::begin_resumable(folder, scenario, problem)?, State::first(problem)))
 }
 
 /// Writes the page of a run.
@@ -101,6 +115,7 @@ const STRAIGHTENED: &str = "refined meshes have straight edges: from step 1 on t
 
 /// Reads the mesh, resolves the scenario on it and checks that the supports hold it, before anything is written.
 pub(super) fn prepare(scenario: &Scenario, options: &RunOptions) -> Result<Resolved, Error> {
+    options.check_targets(scenario)?;
     let file = load(scenario)?;
     let problem = resolve_curved(scenario, file.mesh, file.midsides);
     let mut problem = problem.map_err(|e| e.with_inner(&file.inner_groups))?;
@@ -133,9 +148,12 @@ pub(super) fn quantity_tables(report: &Report) -> String {
     tables.into_iter().filter(|t| !t.is_empty()).map(|t| format!("\n{t}")).collect()
 }
 
-/// The error to end with after everything is written: an expectation that failed, which tells of a tolerance that was not
+/// The error to end with after everything is written: that the user ended the run, an expectation that failed, which tells of a tolerance that was not
 /// reached too, or such a tolerance.
 pub(super) fn failure(scenario: &Scenario, strategy: Strategy, report: &Report) -> Option<Error> {
+    if report.stop_reason == StopReason::Interrupted {
+        return Some(Error::Interrupted { ending: ending(scenario, strategy, report) });
+    }
     match (failed_expectations(report), tolerance::missed(scenario, strategy, report)) {
         (Some(Error::Unexpected { sentences }), Some(missed)) => {
             Some(Error::Unexpected { sentences: format!("{sentences}; {missed}") })

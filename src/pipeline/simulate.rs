@@ -4,6 +4,7 @@ use super::MemoryProbe;
 use super::analyse::{Analysed, Control, analyse};
 use super::doubts;
 use super::forecast;
+use super::interrupt;
 use super::look_ahead::{self, Seen};
 use super::quantities;
 use super::resolve::Resolved;
@@ -19,6 +20,7 @@ use crate::output::report::{PROGRAM, PhaseSeconds, Report, SCHEMA, StepRecord, S
 use crate::scenario::{Scenario, Strategy};
 use crate::subdiv::options::{Mode, Optimise, Options};
 use crate::subdiv::{self, History, Weights};
+use glam::DVec3;
 use std::time::Instant;
 
 /// What the loop needs besides the problem.
@@ -47,6 +49,84 @@ pub(super) const ROUNDING: f64 = 1e-12;
 /// follows from balance.
 const GOAL_ROUNDING: f64 = 1e-7;
 
+/// What the loop knows before a step.
+pub(super) struct State {
+    pub mesh: TetMesh,
+    pub history: History,
+    /// The steps before.
+    pub steps: Vec<StepRecord>,
+    pub warnings: Vec<String>,
+    /// What making the mesh took.
+    pub refine_seconds: f64,
+    /// Largest error of a cell at step 0.
+    pub largest_error: Option<f64>,
+    /// What the step before says of the displacement.
+    pub guess: Option<Vec<DVec3>>,
+    pub straight: Option<Straight>,
+    /// Most bytes held in a process before this one.
+    pub peak: usize,
+    /// Seconds spent in processes before this one, and when this one began.
+    pub seconds: f64,
+    pub start: Instant,
+}
+
+impl State {
+    /// The state before the first step of a problem.
+    pub(super) fn first(problem: &Resolved) -> Self {
+        Self::of(problem.mesh.clone(), 0.0)
+    }
+
+    /// A state of nothing but a mesh, of a run on which `seconds` were spent before.
+    pub(super) fn of(mesh: TetMesh, seconds: f64) -> Self {
+        Self {
+            mesh,
+            history: History::default(),
+            steps: Vec::new(),
+            warnings: Vec::new(),
+            refine_seconds: 0.0,
+            largest_error: None,
+            guess: None,
+            straight: None,
+            peak: 0,
+            seconds,
+            start: Instant::now(),
+        }
+    }
+
+    /// Seconds since the run began, but for those between processes.
+    pub(super) fn spent(&self) -> f64 {
+        self.seconds + self.start.elapsed().as_secs_f64()
+    }
+}
+
+/// Who sees a run.
+pub(super) trait Observe {
+    /// What is before a step.
+    ///
+    /// # Errors
+    /// These end the run.
+    fn before(&mut self, state: &State) -> Result<(), Error>;
+
+    /// A step, before the next mesh is made; the time this takes counts as writing.
+    ///
+    /// # Errors
+    /// These end the run.
+    fn step(&mut self, step: &Step<'_>) -> Result<(), Error>;
+}
+
+/// Sees the steps only.
+struct Steps<'a>(&'a mut dyn FnMut(&Step<'_>) -> Result<(), Error>);
+
+impl Observe for Steps<'_> {
+    fn before(&mut self, _: &State) -> Result<(), Error> {
+        Ok(())
+    }
+
+    fn step(&mut self, step: &Step<'_>) -> Result<(), Error> {
+        (self.0)(step)
+    }
+}
+
 /// Runs the loop on the resolved problem. `observe` sees each step before the next mesh is made; its time counts as
 /// writing.
 ///
@@ -57,57 +137,32 @@ pub(super) fn simulate(
     plan: &Plan<'_>,
     observe: &mut dyn FnMut(&Step<'_>) -> Result<(), Error>,
 ) -> Result<Report, Error> {
+    simulate_from(State::first(problem), problem, plan, &mut Steps(observe))
+}
+
+/// As [`simulate`], from any state of a run on.
+///
+/// # Errors
+/// As [`simulate`].
+pub(super) fn simulate_from(
+    mut state: State,
+    problem: &Resolved,
+    plan: &Plan<'_>,
+    observer: &mut dyn Observe,
+) -> Result<Report, Error> {
     (plan.memory.reset)();
-    let start = Instant::now();
-    let (mut mesh, mut history) = (problem.mesh.clone(), History::default());
-    let (mut steps, mut warnings) = (Vec::new(), Vec::new());
-    let (mut refine_seconds, mut largest_error, mut guess, mut straight) = (0.0, None, None, None);
     let stop_reason = loop {
-        let index = steps.len();
-        let mut seconds = PhaseSeconds { refine: refine_seconds, ..PhaseSeconds::default() };
-        let smooth = timed(&mut seconds.refine, || plan.scenario.smooth.map(|s| smoothed(&mesh, s)).transpose())?;
-        let shown = smooth.as_ref().map_or(&mesh, |smooth| &smooth.mesh);
-        if index == 0 && problem.exact.is_some() && smooth.is_some() {
-            warnings.extend(other_solid(mesh.volume(), shown.volume()));
+        let index = state.steps.len();
+        observer.before(&state)?;
+        if index > 0 && interrupt::is_asked() {
+            break StopReason::Interrupted;
         }
-        let basis = smooth.as_ref().and_then(|smooth| smooth.basis.as_ref());
-        let control = basis.map(|basis| Control { mesh: &mesh, basis });
-        let mut analysed = analyse(index, (shown, control), problem, plan, guess.as_deref(), &mut seconds)?;
-        if index == 0 {
-            straight = straight::compare(&analysed, problem, plan, &mut seconds)?;
-        } else if let Some(straight) = straight {
-            analysed.add(straight);
-        }
-        let unit = *largest_error.get_or_insert_with(|| analysed.largest_error());
-
-        let reached = reason_to_stop(plan, index, problem, &analysed, start);
-        let vain =
-            index == 0 && straight.is_some_and(|s: Straight| s.exceeds(&plan.scenario.refine.stop, &analysed, problem));
-        let reached = reached.or(vain.then_some(StopReason::StraightEdges));
-        let selected = timed(&mut seconds.mark, || select(shown, &analysed, plan, reached, steps.last()))?;
-        let stop = reached.or_else(|| reason_not_to_refine(plan, &selected, &analysed, &mut warnings));
-
-        let idle = analysed.is_idle(problem);
-        let step = Step { index, mesh: shown, analysed: &analysed, selected: &selected, idle };
-        timed(&mut seconds.write, || observe(&step))?;
-        let record =
-            StepRecord { peak_memory_bytes: (plan.memory.peak)() as u64, ..record(&step, problem, seconds, unit) };
-        warnings.extend(doubts::about(&step, steps.last(), &record));
-        steps.push(record);
-        if let Some(reason) = stop {
+        if let Some(reason) = step(&mut state, problem, plan, observer)? {
             break reason;
         }
-        let _phase = plan.progress.phase(format!("step {}: refine", index + 1));
-        refine_seconds = 0.0;
-        let input = problem.mesh.points().len();
-        let next = timed(&mut refine_seconds, || match smooth {
-            // All cells of the control mesh, which has no errors of its own to optimise it for.
-            Some(_) => refine_control(&mesh, &history, plan),
-            None => refine(&step, &history, plan, input),
-        })?;
-        guess = timed(&mut refine_seconds, || analysed.guess(&next.0, &plan.scenario.solver));
-        (mesh, history) = next;
     };
+    let (seconds_total, peak) = (state.spent(), state.peak.max((plan.memory.peak)()));
+    let State { steps, mut warnings, .. } = state;
     let expectations = steps.last().map(|last| quantities::expectations(plan.scenario, last));
     // What was said before the run holds for its results too.
     warnings.extend(problem.said(plan.scenario).cloned());
@@ -122,9 +177,67 @@ pub(super) fn simulate(
         stop_reason,
         warnings,
         steps,
-        seconds_total: start.elapsed().as_secs_f64(),
-        peak_memory_bytes: (plan.memory.peak)() as u64,
+        seconds_total,
+        peak_memory_bytes: peak as u64,
     })
+}
+
+/// One pass of the loop: makes the state before the next step of it, unless the run ends here, and why.
+fn step(
+    state: &mut State,
+    problem: &Resolved,
+    plan: &Plan<'_>,
+    observer: &mut dyn Observe,
+) -> Result<Option<StopReason>, Error> {
+    let index = state.steps.len();
+    let mut seconds = PhaseSeconds { refine: state.refine_seconds, ..PhaseSeconds::default() };
+    let mesh = &state.mesh;
+    let smooth = timed(&mut seconds.refine, || plan.scenario.smooth.map(|s| smoothed(mesh, s)).transpose())?;
+    let shown = smooth.as_ref().map_or(mesh, |smooth| &smooth.mesh);
+    if index == 0 && problem.exact.is_some() && smooth.is_some() {
+        state.warnings.extend(other_solid(mesh.volume(), shown.volume()));
+    }
+    let basis = smooth.as_ref().and_then(|smooth| smooth.basis.as_ref());
+    let control = basis.map(|basis| Control { mesh, basis });
+    let mut analysed = analyse(index, (shown, control), problem, plan, state.guess.as_deref(), &mut seconds)?;
+    if index == 0 {
+        state.straight = straight::compare(&analysed, problem, plan, &mut seconds)?;
+    } else if let Some(straight) = state.straight {
+        analysed.add(straight);
+    }
+    let unit = *state.largest_error.get_or_insert_with(|| analysed.largest_error());
+
+    let spent = state.seconds + state.start.elapsed().as_secs_f64();
+    let reached = reason_to_stop(plan, index, problem, &analysed, spent);
+    let vain = index == 0 && state.straight.is_some_and(|s| s.exceeds(&plan.scenario.refine.stop, &analysed, problem));
+    let reached = reached.or(vain.then_some(StopReason::StraightEdges));
+    let before = state.steps.last();
+    let selected = timed(&mut seconds.mark, || select(shown, &analysed, plan, reached, before))?;
+    let peak = state.peak.max((plan.memory.peak)());
+    let stop = reached.or_else(|| reason_not_to_refine(plan, peak, &selected, &analysed, &mut state.warnings));
+
+    let idle = analysed.is_idle(problem);
+    let step = Step { index, mesh: shown, analysed: &analysed, selected: &selected, idle };
+    timed(&mut seconds.write, || observer.step(&step))?;
+    let peak_memory_bytes = state.peak.max((plan.memory.peak)()) as u64;
+    let record = StepRecord { peak_memory_bytes, ..record(&step, problem, seconds, unit) };
+    state.warnings.extend(doubts::about(&step, state.steps.last(), &record));
+    state.steps.push(record);
+    if stop.is_some() {
+        return Ok(stop);
+    }
+    let _phase = plan.progress.phase(format!("step {}: refine", index + 1));
+    let mut refine_seconds = 0.0;
+    let input = problem.mesh.points().len();
+    let next = timed(&mut refine_seconds, || match smooth {
+        // All cells of the control mesh, which has no errors of its own to optimise it for.
+        Some(_) => refine_control(mesh, &state.history, plan),
+        None => refine(&step, &state.history, plan, input),
+    })?;
+    let guess = timed(&mut refine_seconds, || analysed.guess(&next.0, &plan.scenario.solver));
+    (state.mesh, state.history) = next;
+    (state.guess, state.refine_seconds) = (guess, refine_seconds);
+    Ok(None)
 }
 
 /// Relative difference of the volumes of one body.
@@ -189,7 +302,7 @@ fn reason_to_stop(
     index: usize,
     problem: &Resolved,
     analysed: &Analysed<'_>,
-    start: Instant,
+    spent: f64,
 ) -> Option<StopReason> {
     let stop = &plan.scenario.refine.stop;
     let goal = analysed.aim(problem);
@@ -206,16 +319,17 @@ fn reason_to_stop(
         Some(StopReason::Zero)
     } else if stop.max_cells.is_some_and(|most| cells >= most) {
         Some(StopReason::MaxCells)
-    } else if stop.seconds.is_some_and(|most| start.elapsed().as_secs_f64() >= most) {
+    } else if stop.seconds.is_some_and(|most| spent >= most) {
         Some(StopReason::Seconds)
     } else {
-        None
+        interrupt::is_asked().then_some(StopReason::Interrupted)
     }
 }
 
 /// The stop rule that is met by the selection: nothing to refine, or a next step above the memory limit.
 fn reason_not_to_refine(
     plan: &Plan<'_>,
+    peak: usize,
     selected: &[bool],
     analysed: &Analysed<'_>,
     warnings: &mut Vec<String>,
@@ -227,8 +341,14 @@ fn reason_not_to_refine(
     }
     let (cells, scheme) = (selected.len() as f64, plan.scenario.refine.options.scheme);
     let growth = forecast::cells_after(scheme, plan.strategy, cells, count as f64) / cells;
-    let forecast = forecast::next_bytes((plan.memory.peak)(), growth, analysed.solution.info.method);
-    plan.scenario.refine.stop.max_memory.is_some_and(|most| forecast > most as f64).then_some(StopReason::MaxMemory)
+    // The system of control points is small beside the mesh that it is made on.
+    let method = if plan.scenario.smooth.is_some() { "" } else { analysed.solution.info.method };
+    let forecast = forecast::next_bytes(peak, growth, method);
+    let above = |most: u64| forecast > most as f64;
+    // What is not there cannot be used; without a word the system would end the run.
+    let is_too_large =
+        plan.scenario.refine.stop.max_memory.is_some_and(above) || forecast::available(peak as u64).is_some_and(above);
+    is_too_large.then_some(StopReason::MaxMemory)
 }
 
 /// The cells to refine; none if the run stops here.

@@ -12,12 +12,13 @@ use crate::error::Error;
 use crate::fem::Space;
 use crate::output::report::PhaseSeconds;
 use crate::scenario::{Stop, Strategy};
+use serde::{Deserialize, Serialize};
 
 /// Share of the change that may be missed of it on a coarse mesh, which is added.
 const MISSED: f64 = 0.5;
 
 /// The errors that straight edges make.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Straight {
     /// Squared error in the energy norm.
     pub squared: f64,

@@ -5,6 +5,7 @@ use super::{load, print};
 use crate::error::Error;
 use crate::fem::Space;
 use crate::mesh::read;
+use crate::output::atomic::ensure_target;
 use crate::output::frames::FrameWriter;
 use crate::output::options::Compression;
 use crate::output::progress::Progress;
@@ -51,7 +52,12 @@ pub fn subdivide(command: &Subdivision) -> Result<MeshReport, Error> {
     if !command.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("vtu")) {
         return Err(Error::NotVtu { path: command.output.clone() });
     }
-    let file = read::read(&load::find(&command.mesh, Path::new(""))?)?;
+    let path = load::find(&command.mesh, Path::new(""))?;
+    [Some(&command.output), command.json.as_ref()]
+        .into_iter()
+        .flatten()
+        .try_for_each(|to| ensure_target(to, [&*path]))?;
+    let file = read::read(&path)?;
     if !command.quiet {
         file.notes.iter().try_for_each(|note| print(&format!("note: {note}\n")))?;
     }

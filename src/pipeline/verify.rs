@@ -4,7 +4,7 @@ use super::quantities::expectations;
 use super::results::{relative, write_text};
 use super::run::{execute, failure, prepare};
 use super::simulate::{Plan, simulate};
-use super::{MemoryProbe, RunOptions, print, wrapped};
+use super::{MemoryProbe, RunOptions, interrupt, print, wrapped};
 use crate::error::Error;
 use crate::output::atomic::{ensure_parent, ensure_writable_dir};
 use crate::output::book::{Book, Entry, Problem, SCHEMA, Solved};
@@ -53,6 +53,10 @@ pub fn verify(options: &Verification) -> Result<(), Error> {
     let progress = Progress::new(options.quiet).bar("verify", files.len());
     let mut problems: Vec<Problem> = Vec::new();
     for path in &files {
+        if interrupt::is_asked() {
+            let ending = format!("interrupted after {} of {} scenarios", problems.len(), files.len());
+            return Err(Error::Interrupted { ending });
+        }
         progress.say(path.display().to_string());
         let problem = problem(path, options, problems.last());
         problems.push(problem);
@@ -173,7 +177,7 @@ fn solve(path: &Path, options: &Verification, before: Option<&Problem>, problem:
 /// The report of a run, which writes its results only if asked to.
 fn simulated(scenario: &Scenario, options: &Verification) -> Result<Report, Error> {
     let output = options.output.as_ref().map(|folder| folder.join(scenario.name()));
-    let run = RunOptions { output, quiet: true, json: None, memory: options.memory };
+    let run = RunOptions { output, quiet: true, json: None, resume: false, memory: options.memory };
     if run.output.is_some() {
         return execute(scenario, &run);
     }

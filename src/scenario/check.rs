@@ -29,6 +29,7 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
     let names: Vec<&str> = supports.iter().map(|s| s.name.as_str()).collect();
     let known = raw.exact.is_some();
     let quantities = wanted::quantities(raw.quantities.unwrap_or_default(), &names, &place)?;
+    let merge = raw.mesh.as_ref().is_some_and(|m| m.value.merges());
     let midside_key = raw.mesh.as_ref().and_then(|m| m.value.midside.clone());
     let body = mesh(raw.mesh)?;
     let mut analysis = raw.analysis.map(|t| t.value);
@@ -74,6 +75,7 @@ pub(super) fn scenario(raw: RawScenario, document: &Document<'_>) -> Checked<Sce
         quantities,
         refine,
         midside,
+        merge,
         element,
         smooth,
         hexes,
@@ -91,6 +93,9 @@ pub(super) fn mesh(raw: Option<Table<RawMesh>>) -> Checked<MeshSource> {
     let Some(Table { span, mut value }) = raw else {
         return Err(Fault::new(0..0, "the scenario has no [mesh]", "no [mesh] in this file").help(help));
     };
+    if let Some(merge) = value.merge.as_ref().filter(|_| value.file.is_none()) {
+        return Err(Fault::new(merge.span(), "goes with mesh.file", "generated bodies have one node at each place"));
+    }
     let mut shapes = shapes::all(&mut value)?;
     if let Some((span, shape)) = shapes.pop() {
         if value.file.is_some() || value.brick.is_some() || !shapes.is_empty() {

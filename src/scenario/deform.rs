@@ -128,6 +128,9 @@ fn checked(raw: RawDeformation, path: &Path) -> Checked<Deformation> {
         let help = "add [[pose]] with move = [{ group = \"z-max\", displacement = { z = 1 } }]";
         return Err(Fault::new(0..0, "the scenario has no [[pose]]", "no [[pose]] in this file").help(help));
     }
+    if let Some(merge) = raw.mesh.as_ref().and_then(|m| m.value.merge.as_ref()) {
+        return Err(Fault::new(merge.span(), "is for scenarios that are run", "not for deformations"));
+    }
     if let Some(midside) = raw.mesh.as_ref().and_then(|m| m.value.midside.as_ref()) {
         return Err(
             Fault::new(midside.span(), "is for ten-node elements", "a control mesh has none").help("remove this")

@@ -71,6 +71,8 @@ pub struct Scenario {
     pub refine: Refine,
     /// `mesh.midside`.
     pub midside: Midside,
+    /// `mesh.merge`: whether nodes at the same place are made one.
+    pub merge: bool,
     /// `analysis.element`, if it is one of tetrahedra.
     pub element: Element,
     /// `analysis.smooth`.

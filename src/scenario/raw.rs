@@ -85,6 +85,7 @@ pub(super) struct RawScenario {
 pub(super) struct RawMesh {
     pub file: Option<Text>,
     pub midside: Option<Spanned<Midside>>,
+    pub merge: Option<Spanned<bool>>,
     #[serde(rename = "box")]
     pub brick: Option<Table<RawBrick>>,
     #[serde(rename = "l-prism")]
@@ -98,6 +99,13 @@ pub(super) struct RawMesh {
     pub plate_with_hole: Option<Table<shapes::RawPlate>>,
     pub le10: Option<Table<shapes::RawLe10>>,
     pub prism: Option<Table<shapes::RawPrism>>,
+}
+
+impl RawMesh {
+    /// Whether nodes at the same place are to be made one.
+    pub(super) fn merges(&self) -> bool {
+        self.merge.as_ref().is_some_and(|merge| *merge.get_ref())
+    }
 }
 
 #[derive(Debug, Deserialize, JsonSchema)]

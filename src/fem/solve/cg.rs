@@ -165,7 +165,7 @@ fn iterate<T: Real>(
         // Also refuses NaN.
         if !(curvature > 0.0 && rho > 0.0) {
             if !(curvature.is_finite() && rho.is_finite()) {
-                return Err(FemError::OutOfRange { what: "solution" });
+                return Err(FemError::out_of_range("solution"));
             }
             let detail = format!("p.K p = {curvature:.3e}, r.M r = {rho:.3e} in iteration {iteration}");
             return Err(if curvature > 0.0 {

@@ -187,7 +187,7 @@ impl<'a> Problem<'a> {
         let lifting = system.numbering.lifting();
         let rhs = residual(system, &lifting);
         let scale = norm(&rhs);
-        let out_of_range = |what| Err(FemError::OutOfRange { what });
+        let out_of_range = |what| Err(FemError::out_of_range(what));
         if !system.stiffness.blocks.par_iter().with_min_len(super::block_matrix::CHUNK).all(glam::DMat3::is_finite) {
             return out_of_range("stiffness matrix");
         }
@@ -255,7 +255,7 @@ fn not_converged(
     help: &'static str,
 ) -> FemError {
     if !residual.is_finite() {
-        return FemError::OutOfRange { what: "solution" };
+        return FemError::out_of_range("solution");
     }
     FemError::NotConverged { method, iterations, residual, tolerance: problem.tolerance, help }
 }

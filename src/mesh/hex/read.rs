@@ -1,3 +1,3 @@
 //! Hexahedra from files.
 
-pub use crate::mesh::read::hexes::{HexFile, read};
+pub use crate::mesh::read::hexes::{HexFile, read, read_with};

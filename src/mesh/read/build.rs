@@ -3,17 +3,21 @@
 use super::error_at;
 use super::groups::{Groups, add_vertex_sets, groups, patches, regions};
 use super::midsides;
-use super::nodes::{Index, NONE, number_vertices, positions};
+use super::nodes::{Index, Merged, NONE, number_vertices, positions};
 use super::raw::Raw;
-use super::{Edges, MeshFile};
+use super::{Edges, MeshFile, Reading, doubts};
 use crate::mesh::midside::Midside;
 use crate::mesh::{MeshError, TetMesh, TetMeshParts, Victim, quality, topology};
 use glam::DVec3;
-use rayon::prelude::*;
 use std::path::Path;
 
 /// Makes the mesh.
-pub(super) fn build(path: &Path, format: &'static str, mut raw: Raw, edges: Edges) -> Result<MeshFile, MeshError> {
+pub(super) fn build(
+    path: &Path,
+    format: &'static str,
+    mut raw: Raw,
+    Reading { edges, merge }: Reading,
+) -> Result<MeshFile, MeshError> {
     refuse_hexahedra(path, &raw)?;
     if raw.tets.nodes.is_empty() {
         return Err(MeshError::NoCells);
@@ -22,8 +26,11 @@ pub(super) fn build(path: &Path, format: &'static str, mut raw: Raw, edges: Edge
     let index = Index::new(path, &raw)?;
     let mut tets = std::mem::take(&mut raw.tets.nodes);
     index.resolve("tetrahedron", &mut tets, &raw, &raw.tets.ids, &raw.tets.places)?;
+    let merged = merge.then(|| Merged::new(&raw.nodes.positions));
+    notes.extend(merged.iter().flat_map(|m| m.apply(&mut tets)));
     check_corners(path, &tets, &raw)?;
-    let (vertices, vertex_of) = number_vertices(&mut tets, raw.nodes.positions.len());
+    let (vertices, mut vertex_of) = number_vertices(&mut tets, raw.nodes.positions.len());
+    merged.iter().for_each(|m| m.number(&mut vertex_of));
     let mids = midside_nodes(&index, &mut raw)?;
     let midsides = match edges {
         Edges::Straight => Vec::new(),
@@ -60,8 +67,10 @@ pub(super) fn build(path: &Path, format: &'static str, mut raw: Raw, edges: Edge
     if !midsides.is_empty() {
         midsides::check(path, &mesh, &midsides, &raw)?;
     }
-    notes.extend(coincident(&mesh));
-    notes.extend(loose_parts(&mesh));
+    let name = |v: u32| raw.nodes.ids.get(vertices[v as usize] as usize);
+    let element = |t: u32| raw.tets.ids.get(t as usize);
+    doubts::refuse_hanging(path, &mesh, &raw, &name)?;
+    notes.extend(doubts::about(&mesh, &name, &element));
     Ok(MeshFile { mesh, format, notes, midsides, inner_groups })
 }
 
@@ -173,36 +182,4 @@ fn in_file_ids(path: &Path, error: MeshError, raw: &Raw, vertices: &[u32]) -> Me
         }
         other => other,
     }
-}
-
-/// Says how many vertices lie where another lies, within 1e-9 of the mesh's size.
-fn coincident(mesh: &TetMesh) -> Option<String> {
-    let (corner, _) = mesh.bounding_box();
-    let cell = 1e-9 * mesh.diagonal();
-    let mut places: Vec<[i64; 3]> =
-        mesh.points().iter().map(|&p| ((p - corner) / cell).to_array().map(|x| x.round() as i64)).collect();
-    places.par_sort_unstable();
-    let count = places.windows(2).filter(|pair| pair[0] == pair[1]).count();
-    (count > 0).then(|| format!("{count} nodes lie where another node lies: the cells around them are not connected."))
-}
-
-/// Says how many parts do not hang together, and where the first five are.
-fn loose_parts(mesh: &TetMesh) -> Option<String> {
-    let (part, count) = mesh.connected_parts();
-    if count < 2 {
-        return None;
-    }
-    let shown = count.min(5);
-    let mut boxes = vec![(DVec3::INFINITY, DVec3::NEG_INFINITY, 0_usize); shown];
-    for (t, &p) in part.iter().enumerate() {
-        if let Some((lo, hi, cells)) = boxes.get_mut(p as usize) {
-            for q in mesh.cell_points(t) {
-                (*lo, *hi) = (lo.min(q), hi.max(q));
-            }
-            *cells += 1;
-        }
-    }
-    let list: Vec<String> = boxes.iter().map(|(lo, hi, cells)| format!("{cells} cells in {lo} to {hi}")).collect();
-    let more = if count > shown { ", ..." } else { "" };
-    Some(format!("the mesh has {count} parts that share no face: {}{more}.", list.join("; ")))
 }

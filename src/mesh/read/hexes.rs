@@ -1,11 +1,12 @@
 //! From the lists of a file to a checked mesh of hexahedra.
 
-use super::error_at;
 use super::groups::{Groups, add_vertex_sets, grouped, patch_numbers, regions};
 #[cfg(test)]
 use super::lists;
-use super::nodes::{Index, NONE, number_vertices, positions};
+use super::nodes::{Index, Merged, NONE, number_vertices, positions};
 use super::raw::Raw;
+use super::{doubts, error_at};
+use crate::mesh::contact;
 use crate::mesh::hex::{EDGES, HexError, HexMesh, HexMeshParts, HexTopology, QuadFace, cell_volume, check_cells};
 use crate::mesh::midside::Midside;
 use crate::mesh::topology::sorted2;
@@ -43,19 +44,27 @@ pub struct HexFile {
 /// [`HexError::File`] if the file cannot be read, holds other cells, or makes no mesh that [`HexMesh::new`] accepts: cells and
 /// vertices are then named by the file's ids.
 pub fn read(path: &Path) -> Result<HexFile, HexError> {
+    read_with(path, false)
+}
+
+/// As [`read`]; nodes at the same place are made one if `merge` says so.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_with(path: &Path, merge: bool) -> Result<HexFile, HexError> {
     let (format, raw) = super::open(path)?;
-    build(path, format, raw)
+    build(path, format, raw, merge)
 }
 
 /// Reads a file's content of `length` bytes.
 #[cfg(test)]
 pub(super) fn parse(path: &Path, reader: impl std::io::BufRead, length: u64) -> Result<HexFile, HexError> {
     let (format, raw) = lists(path, reader, length)?;
-    build(path, format, raw)
+    build(path, format, raw, false)
 }
 
 /// Makes the mesh.
-pub(super) fn build(path: &Path, format: &'static str, mut raw: Raw) -> Result<HexFile, HexError> {
+pub(super) fn build(path: &Path, format: &'static str, mut raw: Raw, merge: bool) -> Result<HexFile, HexError> {
     check_kinds(path, &raw)?;
     let mut notes = std::mem::take(&mut raw.notes);
     let index = Index::new(path, &raw)?;
@@ -63,7 +72,10 @@ pub(super) fn build(path: &Path, format: &'static str, mut raw: Raw) -> Result<H
     index.resolve("hexahedron", &mut cells, &raw, &raw.hexes.ids, &raw.hexes.places)?;
     let mut mids = std::mem::take(&mut raw.hex_midsides.nodes);
     index.resolve("hexahedron", &mut mids, &raw, &raw.hex_midsides.ids, &raw.hex_midsides.places)?;
-    let (vertices, vertex_of) = number_vertices(&mut cells, raw.nodes.positions.len());
+    let merged = merge.then(|| Merged::new(&raw.nodes.positions));
+    notes.extend(merged.iter().flat_map(|m| m.apply(&mut cells)));
+    let (vertices, mut vertex_of) = number_vertices(&mut cells, raw.nodes.positions.len());
+    merged.iter().for_each(|m| m.number(&mut vertex_of));
     let midsides = curved_edges(path, &mids, &cells, &raw, &vertices)?;
     if !mids.is_empty() {
         notes.push(format!("{} hexahedra of second order, {} edges of them curved.", mids.len(), midsides.len()));
@@ -88,6 +100,9 @@ pub(super) fn build(path: &Path, format: &'static str, mut raw: Raw) -> Result<H
     let named = |error| in_file_ids(path, error, &raw, &vertices);
     check_cells(&points, &cells).map_err(named)?;
     let topology = HexTopology::new(points.len(), &cells).map_err(named)?;
+    refuse_hanging(path, &points, &cells, &topology, &raw, &vertices)?;
+    let (lo, hi) = points.iter().fold((points[0], points[0]), |(lo, hi), &p| (lo.min(p), hi.max(p)));
+    notes.extend(doubts::extent(lo, hi));
     let boundary: Vec<[u32; 4]> = topology.boundary().map(|(_, vertices)| vertices).collect();
     let find = |v: &[u32; 4]| boundary.binary_search_by_key(&sorted4(*v), |&f| sorted4(f)).ok();
     let places = quads.iter().map(|v| Some(v).filter(|v| !v.contains(&NONE)).and_then(find));
@@ -158,6 +173,27 @@ fn curved_edges(
         is_curved.then_some(Midside { edge: *edge, position: at(*node) })
     };
     Ok(all.iter().filter_map(node).collect())
+}
+
+/// Refuses a node that lies on an edge of the boundary without belonging to a cell of it.
+fn refuse_hanging(
+    path: &Path,
+    points: &[DVec3],
+    cells: &[[u32; 8]],
+    topology: &HexTopology,
+    raw: &Raw,
+    vertices: &[u32],
+) -> Result<(), HexError> {
+    let quads = topology.boundary().map(|(_, [a, b, c, d])| [[a, b], [b, c], [c, d], [d, a]]);
+    let mut edges: Vec<[u32; 2]> = quads.flatten().map(sorted2).collect();
+    edges.sort_unstable();
+    edges.dedup();
+    let found = contact::hanging(points, &edges, &[], cells.iter().map(|c| &c[..]));
+    let Some(first) = found.first() else { return Ok(()) };
+    let cell = cells.iter().position(|c| first.on.iter().all(|v| c.contains(v))).unwrap_or_default();
+    let node = |v: u32| raw.nodes.ids.get(vertices[v as usize] as usize);
+    let message = doubts::hanging(first, found.len(), &format!("hexahedron {}", raw.hexes.ids.get(cell)), &node);
+    Err(error_at(path, raw.place(&raw.hexes.places, cell), message, doubts::HANGING).into())
 }
 
 /// Turns all cells round if not one has a positive volume: another convention, not a bad mesh.

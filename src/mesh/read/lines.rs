@@ -1,6 +1,6 @@
 //! Lines and fields of a text, with errors that say where.
 
-use super::{error_at, finite};
+use super::{error_at, finite, number_help};
 use crate::mesh::{MeshError, Place};
 use glam::DVec3;
 use std::path::Path;
@@ -155,16 +155,7 @@ impl<'a> Fields<'a> {
     fn unparsable(&self, token: &str, what: &str, kind: &str) -> MeshError {
         let column = token.as_ptr() as usize - self.line.text.as_ptr() as usize + 1;
         let shown: String = token.chars().take(40).collect();
-        let help = if token.replace(',', ".").parse::<f64>().is_ok() && token.contains(',') {
-            "a decimal comma: export with a decimal point"
-        } else if token.starts_with('-') && token[1..].bytes().all(|b| b.is_ascii_digit()) {
-            "it must not be negative"
-        } else if token.bytes().all(|b| b.is_ascii_digit()) {
-            "the number is too large; counts and ids are at most 4294967295"
-        } else {
-            "correct this field, or write the file again"
-        };
-        self.line.error(format!("column {column}: {what} is {shown:?}, expected {kind}"), help)
+        self.line.error(format!("column {column}: {what} is {shown:?}, expected {kind}"), number_help(token))
     }
 
     /// An id: a whole number from 0.

@@ -6,6 +6,7 @@
 mod abaqus;
 mod binary;
 mod build;
+mod doubts;
 mod gid;
 mod gmsh;
 mod gmsh2;
@@ -63,6 +64,21 @@ pub enum Edges {
     Curved,
 }
 
+/// How a mesh is read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Reading {
+    /// What becomes of mid-side nodes.
+    pub edges: Edges,
+    /// Whether nodes at the same place are made one.
+    pub merge: bool,
+}
+
+impl From<Edges> for Reading {
+    fn from(edges: Edges) -> Self {
+        Self { edges, merge: false }
+    }
+}
+
 /// Reads a mesh with straight edges; see [`read_with`].
 ///
 /// # Errors
@@ -80,9 +96,9 @@ pub fn read(path: &Path) -> Result<MeshFile, MeshError> {
 /// # Errors
 /// [`MeshError::Unreadable`], [`MeshError::UnknownFormat`], [`MeshError::Syntax`] with the place, [`MeshError::NoCells`],
 /// and what [`TetMesh::new`] refuses, where cells and vertices are then named by the file's ids.
-pub fn read_with(path: &Path, edges: Edges) -> Result<MeshFile, MeshError> {
+pub fn read_with(path: &Path, reading: impl Into<Reading>) -> Result<MeshFile, MeshError> {
     let (format, raw) = open(path)?;
-    build::build(path, format, raw, edges)
+    build::build(path, format, raw, reading.into())
 }
 
 /// A mesh of one kind of cells or the other.
@@ -114,9 +130,9 @@ pub fn read_any_from(path: &Path, content: &[u8], edges: Edges) -> Result<AnyMes
 
 fn either(path: &Path, format: &'static str, raw: Raw, edges: Edges) -> Result<AnyMesh, HexError> {
     if raw.hexes.nodes.is_empty() {
-        return Ok(AnyMesh::Tets(Box::new(build::build(path, format, raw, edges)?)));
+        return Ok(AnyMesh::Tets(Box::new(build::build(path, format, raw, edges.into())?)));
     }
-    Ok(AnyMesh::Hexes(Box::new(hexes::build(path, format, raw)?)))
+    Ok(AnyMesh::Hexes(Box::new(hexes::build(path, format, raw, false)?)))
 }
 
 /// The format and the lists of a file.
@@ -145,6 +161,19 @@ fn error_at(path: &Path, at: Place, message: impl Into<String>, help: &str) -> M
     MeshError::Syntax { path: path.to_owned(), at, message: message.into(), help: help.to_owned() }
 }
 
+/// What to do about a word that is no number.
+fn number_help(word: &str) -> &'static str {
+    if word.contains(',') && word.replace(',', ".").parse::<f64>().is_ok() {
+        "a decimal comma: export with a decimal point"
+    } else if word.len() > 1 && word.starts_with('-') && word[1..].bytes().all(|b| b.is_ascii_digit()) {
+        "it must not be negative"
+    } else if !word.is_empty() && word.bytes().all(|b| b.is_ascii_digit()) {
+        "the number is too large; counts and ids are at most 4294967295"
+    } else {
+        "correct this field, or write the file again"
+    }
+}
+
 /// What is wrong with a coordinate that is not finite, and what to do.
 fn finite(x: f64, name: &str, node: u32) -> Result<(), (String, &'static str)> {
     if x.is_finite() {
@@ -158,7 +187,7 @@ fn finite(x: f64, name: &str, node: u32) -> Result<(), (String, &'static str)> {
 #[cfg(test)]
 fn parse(path: &Path, reader: impl BufRead, length: u64, edges: Edges) -> Result<MeshFile, MeshError> {
     let (format, raw) = lists(path, reader, length)?;
-    build::build(path, format, raw, edges)
+    build::build(path, format, raw, edges.into())
 }
 
 /// The format and the lists of a file's content of `length` bytes; `path` is for messages, and says where files lie that this

@@ -81,6 +81,48 @@ impl<'a> Index<'a> {
     }
 }
 
+/// Distance within which nodes are at the same place, over the size of the mesh.
+pub(super) const SAME_PLACE: f64 = 1e-9;
+
+/// The first node at the place of each node.
+pub(super) struct Merged(Vec<u32>);
+
+impl Merged {
+    pub(super) fn new(positions: &[DVec3]) -> Self {
+        let (lo, hi) =
+            positions.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), &p| (lo.min(p), hi.max(p)));
+        let unit = SAME_PLACE * lo.distance(hi);
+        let place = |p: &DVec3| ((*p - lo) / unit).to_array().map(|x| x.round() as i64);
+        let mut sorted: Vec<([i64; 3], u32)> = positions.iter().map(place).zip(0..).collect();
+        sorted.sort_unstable();
+        let mut first = vec![0; positions.len()];
+        for same in sorted.chunk_by(|a, b| a.0 == b.0) {
+            same.iter().for_each(|(_, n)| first[*n as usize] = same[0].1);
+        }
+        Self(first)
+    }
+
+    /// Gives cells the first node of each place, and says how many nodes that were others this concerns.
+    pub(super) fn apply<const N: usize>(&self, cells: &mut [[u32; N]]) -> Option<String> {
+        let mut others: Vec<u32> = Vec::new();
+        for n in cells.iter_mut().flatten().filter(|n| self.0[**n as usize] != **n) {
+            others.push(*n);
+            *n = self.0[*n as usize];
+        }
+        others.sort_unstable();
+        others.dedup();
+        let count = others.len();
+        (count > 0).then(|| format!("{count} nodes were made one with another at their place (mesh.merge)."))
+    }
+
+    /// Gives every node the vertex of the first at its place.
+    pub(super) fn number(&self, vertex_of: &mut [u32]) {
+        for n in 0..vertex_of.len() {
+            vertex_of[n] = vertex_of[self.0[n] as usize];
+        }
+    }
+}
+
 /// Numbers the nodes that cells use in the order of the file, in the cells too. Gives the node of each vertex and the
 /// vertex of each node.
 pub(super) fn number_vertices<const N: usize>(tets: &mut [[u32; N]], node_count: usize) -> (Vec<u32>, Vec<u32>) {

@@ -1,7 +1,7 @@
 //! Words of a text whose line breaks mean nothing, with binary data between them.
 
 use super::lines::{Announced, TRUNCATED};
-use super::{error_at, finite};
+use super::{error_at, finite, number_help};
 use crate::mesh::{MeshError, Place};
 use glam::DVec3;
 use std::path::Path;
@@ -135,9 +135,19 @@ impl<'a> Words<'a> {
         let word = self.expect(what)?;
         let parsed = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
         parsed.ok_or_else(|| {
-            let message = format!("{what} is {}, expected a number", shown(word));
-            self.error(message, "correct it, or write the file again")
+            let message = format!("{}{what} is {}, expected a number", self.column(word), shown(word));
+            self.error(message, number_help(&String::from_utf8_lossy(word)))
         })
+    }
+
+    /// The column of the last word of a text, for a message.
+    fn column(&self, word: &[u8]) -> String {
+        if self.binary {
+            return String::new();
+        }
+        let start = self.at - word.len();
+        let line = self.bytes[..start].iter().rposition(|&b| b == b'\n').map_or(0, |end| end + 1);
+        format!("column {}: ", start - line + 1)
     }
 
     /// The length of a list whose entries take at least two bytes each.

@@ -177,7 +177,7 @@ impl File<'_> {
 
     fn hexahedra(&self, points: Vec<DVec3>, cells: &[u32], order: usize) -> Result<Shown<'static>, OutputError> {
         let (side, size) = (order + 1, (order + 1).pow(3));
-        if cells.len() % size != 0 {
+        if !cells.len().is_multiple_of(size) {
             return Err(self.refused("its cells have no equal numbers of points along their sides"));
         }
         let places = vtk_places(order);

@@ -4,23 +4,24 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::io::{self, Write as _};
 
 /// The code of a value that is not known; the largest value has the code before.
 const UNKNOWN: u16 = u16::MAX;
 
 /// How an array is found among the bytes of a step.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Section {
-    name: &'static str,
+    name: Cow<'static, str>,
     /// `q16` (codes of values), `u32` or `u8`.
-    kind: &'static str,
+    kind: Cow<'static, str>,
     /// Entries of an array, `width` numbers each.
     rows: usize,
     width: usize,
     /// The values of the codes 0 and 65534, of each component.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     limits: Vec<[f64; 2]>,
 }
 
@@ -46,7 +47,13 @@ impl Sections {
             self.bytes.extend(differences().map(|d| (d >> 8) as u8));
             limits.push([lo, hi]);
         }
-        self.list.push(Section { name, kind: "q16", rows: values.len() / width.max(1), width, limits });
+        self.list.push(Section {
+            name: name.into(),
+            kind: "q16".into(),
+            rows: values.len() / width.max(1),
+            width,
+            limits,
+        });
     }
 
     /// Indices, given row by row.
@@ -63,12 +70,24 @@ impl Sections {
                 self.bytes.extend(differences.iter().map(|d| (d >> (8 * byte)) as u8));
             }
         }
-        self.list.push(Section { name, kind: "u32", rows: indices.len() / width.max(1), width, limits: Vec::new() });
+        self.list.push(Section {
+            name: name.into(),
+            kind: "u32".into(),
+            rows: indices.len() / width.max(1),
+            width,
+            limits: Vec::new(),
+        });
     }
 
     pub(super) fn bytes(&mut self, name: &'static str, bytes: &[u8]) {
         self.bytes.extend(bytes);
-        self.list.push(Section { name, kind: "u8", rows: bytes.len(), width: 1, limits: Vec::new() });
+        self.list.push(Section {
+            name: name.into(),
+            kind: "u8".into(),
+            rows: bytes.len(),
+            width: 1,
+            limits: Vec::new(),
+        });
     }
 
     /// All arrays, compressed, as text.

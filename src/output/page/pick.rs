@@ -8,7 +8,7 @@ use crate::fem::von_mises;
 use crate::output::OutputError;
 use nalgebra::Matrix3;
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Most boundary faces that are drawn with the middles of their sides.
@@ -27,9 +27,11 @@ pub struct Mark {
 }
 
 /// What a page has of the steps of a run.
-#[derive(Debug)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Steps {
+    #[serde(skip)]
     pub(super) marks: Vec<Mark>,
+    #[serde(skip)]
     pub(super) feature_angle: f64,
     pub(super) steps: Vec<Step>,
     /// The compressed arrays of each step.
@@ -37,7 +39,7 @@ pub struct Steps {
 }
 
 /// What a page says of a step beside its report.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Step {
     step: usize,
     points: usize,
@@ -66,6 +68,12 @@ impl Steps {
     #[must_use]
     pub fn new(marks: Vec<Mark>, feature_angle: f64) -> Self {
         Self { marks, feature_angle, steps: Vec::new(), texts: Vec::new() }
+    }
+
+    /// The steps of an earlier part of the same run, to be gone on with.
+    #[must_use]
+    pub fn after(self, earlier: Self) -> Self {
+        Self { steps: earlier.steps, texts: earlier.texts, ..self }
     }
 
     /// Adds a step; `page` is named in errors.

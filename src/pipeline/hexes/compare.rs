@@ -9,7 +9,7 @@ use crate::output::atomic::ensure_writable_dir;
 use crate::output::elements::{self, COSTS, ElementRow, Elements, RESULTS};
 use crate::output::plot::{Panel, panels};
 use crate::output::progress::Progress;
-use crate::output::report::write_json;
+use crate::output::report::{StopReason, write_json};
 use crate::output::table::{table, text};
 use crate::pipeline::leftovers;
 use crate::scenario::{Hexes, Scenario};
@@ -22,6 +22,7 @@ use std::path::Path;
 /// [`Error`] with its exit code, as [`super::super::run::run`].
 pub fn compare_elements(scenario: &Scenario, names: &[String], options: &RunOptions) -> Result<(), Error> {
     let variants = names.iter().map(|name| variant(scenario, name)).collect::<Result<Vec<_>, Error>>()?;
+    options.check_targets(scenario)?;
     let folder = options.folder(scenario);
     ensure_writable_dir(&folder)?;
     let folders: Vec<&str> = names.iter().map(String::as_str).collect();
@@ -38,6 +39,11 @@ pub fn compare_elements(scenario: &Scenario, names: &[String], options: &RunOpti
             results.step(step)
         })?;
         let steps = results.finish(&report)?;
+        if report.stop_reason == StopReason::Interrupted {
+            return Err(Error::Interrupted {
+                ending: format!("{name}: interrupted after step {}", measured.len() - 1),
+            });
+        }
         let row = |(step, measured)| ElementRow { element: name.clone(), ..super::simulate::row(step, measured) };
         rows.extend(report.steps.iter().zip(measured).map(row));
         runs.push((name, scenario, report, steps));

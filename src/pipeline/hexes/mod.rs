@@ -14,13 +14,13 @@ pub use compare::compare_elements;
 pub use describe::HexReport;
 pub use subdivide::{HexSubdivision, subdivide_hexes};
 
-use super::RunOptions;
 use super::leftovers;
 use super::load::find;
 use super::run::{announce, conclude, write_page};
+use super::{ResumeError, RunOptions};
 use crate::error::Error;
 use crate::mesh::hex::curved::{Round, arcs};
-use crate::mesh::hex::read::read;
+use crate::mesh::hex::read::read_with;
 use crate::mesh::hex::{HexMesh, generate};
 use crate::output::atomic::ensure_writable_dir;
 use crate::output::progress::Progress;
@@ -32,6 +32,9 @@ use simulate::{Loop, simulate};
 
 /// Runs a scenario on hexahedra and writes its results, whatever it expects of them.
 pub(super) fn execute(scenario: &Scenario, hexes: Hexes, options: &RunOptions) -> Result<Report, Error> {
+    if options.resume {
+        return Err(ResumeError::Hexahedra.into());
+    }
     let problem = prepare(scenario, hexes, options)?;
     let folder = options.folder(scenario);
     ensure_writable_dir(&folder)?;
@@ -48,6 +51,7 @@ pub(super) fn execute(scenario: &Scenario, hexes: Hexes, options: &RunOptions) -
 
 /// Reads the mesh, resolves the scenario on it and checks that the supports hold it, before anything is written.
 fn prepare(scenario: &Scenario, hexes: Hexes, options: &RunOptions) -> Result<ResolvedHexes, Error> {
+    options.check_targets(scenario)?;
     let (mesh, notes) = load(scenario, hexes)?;
     let problem = resolve(scenario, hexes, mesh)?;
     resolve::check_supports(scenario, &problem)?;
@@ -72,7 +76,7 @@ fn load(scenario: &Scenario, hexes: Hexes) -> Result<(HexMesh, Vec<String>), Err
     let mesh = match &scenario.mesh {
         MeshSource::Box { size, cells } => generate::box_hexes(*size, *cells)?,
         MeshSource::File(file) => {
-            let file = read(&find(file, &scenario.directory)?)?;
+            let file = read_with(&find(file, &scenario.directory)?, scenario.merge)?;
             notes = file.notes;
             if !file.midsides.is_empty() && !hexes.curved {
                 notes.push(format!(

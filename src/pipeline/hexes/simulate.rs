@@ -1,10 +1,10 @@
 //! The loop on hexahedra: solve, estimate, record, stop?, refine all cells.
 
 use super::super::MemoryProbe;
-use super::super::forecast::{self, free_bytes};
 use super::super::quantities::expectations;
 use super::super::simulate::{ROUNDING, timed};
 use super::super::tolerance;
+use super::super::{forecast, interrupt};
 use super::analyse::{Analysed, Measured, analyse};
 use super::resolve::ResolvedHexes;
 use crate::error::Error;
@@ -53,6 +53,9 @@ pub(super) fn simulate(
     let (mut refine_seconds, mut unit, mut guess) = (0.0, None, None);
     let stop_reason = loop {
         let index = steps.len();
+        if index > 0 && interrupt::is_asked() {
+            break StopReason::Interrupted;
+        }
         let mut seconds = PhaseSeconds { refine: refine_seconds, ..PhaseSeconds::default() };
         let guessed: Option<&Vec<DVec3>> = guess.as_ref();
         let analysed = analyse((index, &mesh), problem, plan, guessed.map(|g| &g[..]), &mut seconds)?;
@@ -133,12 +136,12 @@ fn reason_to_stop(
     } else if stop.seconds.is_some_and(|most| start.elapsed().as_secs_f64() >= most) {
         Some(StopReason::Seconds)
     } else if stop.max_memory.is_some_and(|most| next_bytes(peak, analysed) > most as f64)
-        || free_bytes().is_some_and(|free| next_bytes(peak, analysed) > free as f64 + peak as f64)
+        || forecast::available(peak as u64).is_some_and(|most| next_bytes(peak, analysed) > most as f64)
     {
         // What is not there cannot be used; without a word the system would end the run.
         Some(StopReason::MaxMemory)
     } else {
-        None
+        interrupt::is_asked().then_some(StopReason::Interrupted)
     }
 }
 

@@ -7,6 +7,7 @@ use crate::error::Error;
 use crate::mesh::Crease;
 use crate::mesh::hex::{HexError, HexMesh, read};
 use crate::mesh::topology::sorted2;
+use crate::output::atomic::ensure_target;
 use crate::output::hex_mesh::write_hex_mesh;
 use crate::output::options::Compression;
 use crate::output::progress::Progress;
@@ -53,7 +54,12 @@ pub fn subdivide_hexes(command: &HexSubdivision) -> Result<HexReport, Error> {
     if !command.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("vtu")) {
         return Err(Error::NotVtu { path: command.output.clone() });
     }
-    let file = read::read(&load::find(&command.mesh, Path::new(""))?)?;
+    let path = load::find(&command.mesh, Path::new(""))?;
+    [Some(&command.output), command.json.as_ref()]
+        .into_iter()
+        .flatten()
+        .try_for_each(|to| ensure_target(to, [&*path]))?;
+    let file = read::read(&path)?;
     if !command.quiet {
         file.notes.iter().try_for_each(|note| print(&format!("note: {note}\n")))?;
     }

@@ -204,14 +204,14 @@ fn vertex_section(vertices: &[VertexRecord], beside: &str) -> String {
 fn failure_row(degree: usize, f: &FailedVertex) -> String {
     let valences: Vec<String> = f.valences.iter().map(ToString::to_string).collect();
     let eigenvalues: Vec<String> = f.eigenvalues.iter().map(|x| format!("{x:.4}")).collect();
-    let [before, last] = f.inverted.map(|part| format!("{:.4} %", 100.0 * part));
+    let [before, last] = f.inverted.map(|part| format!("{part:.1e}"));
     let verdict = match f.verdict {
         Verdict::NoMap => "lambda3 = lambda4",
         Verdict::Folds => "folds",
         Verdict::Undecided => "not decided",
     };
     format!(
-        "| {degree} | {} | {} | {} | {:.4} | {} | {before}, {last} | {verdict} |\n",
+        "| {degree} | {} | {} | {} | {:.1e} | {} | {before}, {last} | {verdict} |\n",
         f.number,
         valences.join(" "),
         eigenvalues.join(" "),

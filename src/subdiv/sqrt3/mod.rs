@@ -15,10 +15,11 @@ use super::solid::Solid;
 use super::{Info, Refined, Stencil, typical_angle};
 use crate::mesh::surface::{SurfaceFace, surface_edges, surface_faces};
 use crate::mesh::{MeshError, TetMesh, topology};
+use serde::{Deserialize, Serialize};
 
 /// What one step leaves for the next: operations that wait for their other side, and the parity of creases. All lists
 /// are sorted; vertices are sorted within each entry.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct History {
     /// Old interior faces that could not be flipped yet.
     pending_faces: Vec<[u32; 3]>,

@@ -1,7 +1,7 @@
 //! Cards: a line `*KEYWORD, PARAMETER=VALUE, ...` and the data lines below it. `**` begins a comment.
 
-use super::super::finite;
 use super::super::lines::{Line, Lines};
+use super::super::{finite, number_help};
 use crate::mesh::MeshError;
 use glam::DVec3;
 use std::path::Path;
@@ -155,8 +155,11 @@ impl<'a> Data<'a> {
         let word = self.word();
         word.parse().map_err(|_| {
             let shown: String = word.chars().take(40).collect();
-            let message = format!("{what} is {shown:?}, expected a number");
-            self.error(message, "correct this field, or write the file again")
+            // Where nothing is left of a line, its end is what should be a number.
+            let column = (word.as_ptr() as usize).checked_sub(self.line.text.as_ptr() as usize);
+            let column = column.filter(|&c| c < self.line.text.len()).map(|c| format!("column {}: ", c + 1));
+            let message = format!("{}{what} is {shown:?}, expected a number", column.unwrap_or_default());
+            self.error(message, number_help(word))
         })
     }
 
@@ -173,6 +176,10 @@ impl<'a> Data<'a> {
                 *x = self.number(name)?;
             }
             finite(*x, name, node).map_err(|(message, help)| self.error(message, help))?;
+        }
+        if !self.is_empty() {
+            let message = format!("more than three coordinates of node {node} in {}", self.line.quoted());
+            return Err(self.error(message, "decimal commas? export with decimal points, and without normals at nodes"));
         }
         Ok(DVec3::from_array(p))
     }

@@ -8,6 +8,9 @@ use super::grid::{Grid, is_tag};
 use crate::mesh::MeshError;
 use std::path::Path;
 
+/// Points of a cell that is read, at most.
+const MOST_POINTS: i64 = 27;
+
 /// A file being read.
 struct Legacy<'a> {
     words: Words<'a>,
@@ -99,6 +102,7 @@ impl Legacy<'_> {
             self.words.next();
             let kind = self.number_type()?;
             let offsets = self.numbers(list.count, 1, kind, "offsets", &mut Runs::default())?;
+            self.check_order(offsets.get(1), kind, size)?;
             let keyword = self.words.expect("CONNECTIVITY")?;
             if !keyword.eq_ignore_ascii_case(b"CONNECTIVITY") {
                 let message = format!("expected CONNECTIVITY, found {}", shown(keyword));
@@ -113,6 +117,7 @@ impl Legacy<'_> {
         let int = self.named("int")?;
         let mut places = Runs::default();
         let mixed = self.numbers(size, 1, int, "numbers of the cells", &mut places)?;
+        self.check_order(mixed.first(), int, size)?;
         let mut i = 0;
         for _ in 0..list.count {
             let points = mixed.get(i).filter(|n| **n >= 0.0).and_then(|n| mixed[i + 1..].get(..*n as usize));
@@ -126,6 +131,17 @@ impl Legacy<'_> {
             i += 1 + points.len();
         }
         Ok(())
+    }
+
+    /// Refuses a first cell that has more points than there are numbers, and a few with its bytes the other way round.
+    fn check_order(&self, points: Option<&f64>, kind: Type, size: usize) -> Result<(), MeshError> {
+        let Some(&points) = points.filter(|_| self.binary) else { return Ok(()) };
+        let turned = (points as i64).swap_bytes() >> (64 - 8 * kind.size.min(8));
+        if (0.0..=size as f64).contains(&points) || !(1..=MOST_POINTS).contains(&turned) {
+            return Ok(());
+        }
+        let message = format!("the first cell has {points} points, or {turned} in the other order of bytes");
+        Err(self.words.error(message, "legacy VTK files are big-endian: write the file again, or as text"))
     }
 
     /// An array of point or cell data.

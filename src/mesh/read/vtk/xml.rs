@@ -1,7 +1,7 @@
 //! XML unstructured grids (`.vtu`): arrays as text, in base64, or appended at the end of the file.
 
-use super::super::error_at;
 use super::super::raw::Raw;
+use super::super::{error_at, number_help};
 use super::arrays::Type;
 use super::decode::{Compressor, Encoded, Encoding};
 use super::grid::{Grid, is_tag};
@@ -13,9 +13,14 @@ use std::path::Path;
 
 const DAMAGED: &str = "the file is damaged, or not written whole: write it again";
 
+/// What is said of arrays that are no texts.
+const DAMAGED_ARRAY: &str =
+    "the file is damaged, not written whole, or its byte_order is not the order of bytes of its arrays: write it again";
+
 /// A file being read.
 struct Xml<'a> {
     path: &'a Path,
+    bytes: &'a [u8],
     encoding: Encoding,
     appended: Option<Appended<'a>>,
     /// Byte of the tag being read.
@@ -87,6 +92,8 @@ struct Array {
     format: String,
     offset: usize,
     text: Vec<u8>,
+    /// Where the text begins.
+    begin: usize,
     /// How many tags are open inside the array's: VTK puts information there.
     inside: usize,
     at: u64,
@@ -128,8 +135,19 @@ fn parsed<'a>(
     let encoding = Encoding { big_endian: false, header_bytes: 4, compressor: Compressor::None };
     let appended = appended(&bytes[head..]);
     let (section, piece) = (Section::Other, Piece::default());
-    let mut xml =
-        Xml { path, encoding, appended, at: 0, section, piece, array: None, pieces: 0, names: Names::default(), all };
+    let mut xml = Xml {
+        path,
+        bytes,
+        encoding,
+        appended,
+        at: 0,
+        section,
+        piece,
+        array: None,
+        pieces: 0,
+        names: Names::default(),
+        all,
+    };
     let mut reader = Reader::from_reader(&bytes[..head]);
     let mut skipped = 0;
     loop {
@@ -141,7 +159,11 @@ fn parsed<'a>(
                 skipped += xml.end(tag.name().as_ref(), raw)?;
             }
             Ok(Event::Text(text)) => {
+                let begin = xml.at as usize;
                 if let Some(array) = xml.array.as_mut().filter(|array| array.inside == 0) {
+                    if array.text.is_empty() {
+                        array.begin = begin;
+                    }
                     array.text.extend_from_slice(&text);
                 }
             }
@@ -210,6 +232,7 @@ impl Xml<'_> {
                     format: self.value(tag, "format")?,
                     offset: self.number(tag, "offset", 0)?,
                     text: Vec::new(),
+                    begin: 0,
                     inside: 0,
                     at: self.at,
                 });
@@ -344,13 +367,24 @@ impl Xml<'_> {
     fn numbers(&self, array: &Array, count: usize, components: usize) -> Result<Vec<f64>, MeshError> {
         let fail = |message: String| {
             let name: String = array.name.chars().take(40).collect();
-            error_at(self.path, Place::Byte(array.at as usize), format!("array {name:?}: {message}"), DAMAGED)
+            let help = if array.format == "ascii" { DAMAGED } else { DAMAGED_ARRAY };
+            error_at(self.path, Place::Byte(array.at as usize), format!("array {name:?}: {message}"), help)
         };
         let numbers = self.decode(array).map_err(fail)?;
         if Some(numbers.len()) == count.checked_mul(components) {
             return Ok(numbers);
         }
         Err(fail(format!("it holds {} numbers, expected {count} times {components}", numbers.len())))
+    }
+
+    /// Where a word of an array that is a text is no number.
+    fn no_number(&self, array: &Array, word: &[u8]) -> String {
+        let at = array.begin + (word.as_ptr() as usize - array.text.as_ptr() as usize);
+        let before = &self.bytes[..at.min(self.bytes.len())];
+        let line = before.iter().filter(|&&b| b == b'\n').count() + 1;
+        let column = before.len() - before.iter().rposition(|&b| b == b'\n').map_or(0, |end| end + 1) + 1;
+        let word: String = String::from_utf8_lossy(word).chars().take(40).collect();
+        format!("line {line}: column {column}: it is {word:?}, expected a number ({})", number_help(&word))
     }
 
     fn decode(&self, array: &Array) -> Result<Vec<f64>, String> {
@@ -362,7 +396,7 @@ impl Xml<'_> {
             ("ascii", _) => {
                 let words = array.text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
                 let number = |word: &[u8]| std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
-                let wrong = |word: &[u8]| format!("{:?} is no number", String::from_utf8_lossy(word));
+                let wrong = |word: &[u8]| self.no_number(array, word);
                 return words.map(|word| number(word).ok_or_else(|| wrong(word))).collect();
             }
             ("binary", _) => Encoded::new(array.text.trim_ascii(), true),
