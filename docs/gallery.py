@@ -34,7 +34,8 @@ FLAGS = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox
 
 def run(program, name, folder):
     command = "compare" if name in COMPARED else "run"
-    scenario = ROOT / "scenarios" / f"{name}.toml"
+    # Relative, as it stands in the page.
+    scenario = f"scenarios/{name}.toml"
     done = subprocess.run([program, command, scenario, "--quiet", "--output", folder], cwd=ROOT)
     return done.returncode == 0
 
