@@ -80,7 +80,7 @@ fn main() -> ExitCode {
             finish(verify(&Verification { folder, markdown, output, json: common.json, quiet, memory: MEMORY }))
         }
         Command::Report { folder, common } => {
-            set_threads(&common);
+            set_up(&common);
             finish(again::report(&folder, is_quiet(&common)))
         }
         Command::Check { scenario, common, scenario_options } => {
