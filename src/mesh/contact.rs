@@ -19,7 +19,7 @@ const BUCKETS: f64 = 8.0;
 pub struct Hanging {
     /// The node.
     pub vertex: u32,
-    /// Ends of the edge, or corners of the face; of an edge the last one is named twice.
+    /// Ends of the edge, or corners of the face, ascending; of an edge the last one is named twice.
     pub on: [u32; 3],
 }
 
@@ -52,12 +52,14 @@ pub fn hanging<'a>(
     let do_meet = |v: u32, w: u32| edges.binary_search(&topology::sorted2([v, w])).is_ok();
     let near = |corners: [u32; 3], lies_on: &(dyn Fn(DVec3) -> bool + Sync)| {
         let mut found = Vec::new();
+        let mut on = corners;
+        on.sort_unstable();
         let [a, b, c] = corners.map(at);
         let margin = DVec3::splat(ON * a.distance(b).max(b.distance(c)));
         grid.visit(a.min(b).min(c) - margin, a.max(b).max(c) + margin, |i| {
             let v = vertices[i];
             if !corners.contains(&v) && lies_on(at(v)) && corners.iter().any(|&w| do_meet(v, w)) {
-                found.push(Hanging { vertex: v, on: corners });
+                found.push(Hanging { vertex: v, on });
             }
         });
         found

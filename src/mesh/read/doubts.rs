@@ -55,9 +55,7 @@ pub(super) const HANGING: &str =
 
 /// What is wrong with the first of several hanging nodes, beside a cell that has its edge or face.
 pub(super) fn hanging(first: &Hanging, count: usize, cell: &str, node: &dyn Fn(u32) -> i64) -> String {
-    let mut on = first.on;
-    on.sort_unstable();
-    let [a, b, c] = on.map(node);
+    let [a, b, c] = first.on.map(node);
     let on = if b == c { format!("edge {a} {b}") } else { format!("face {a} {b} {c}") };
     let vertex = node(first.vertex);
     let of = if count == 1 { String::new() } else { format!(" (the first of {count} hanging nodes)") };
