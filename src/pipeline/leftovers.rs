@@ -192,13 +192,15 @@ fn run_files(scenario: &Scenario) -> Vec<String> {
     RUN.map(str::to_owned).into_iter().chain(steps).chain(probes).collect()
 }
 
-/// The files in a folder that an earlier run or comparison wrote; none if nothing marks it as a folder of results. The
+/// The files in a folder that an earlier run or comparison wrote; those it was writing alone if nothing marks it as a folder of results. The
 /// scenario to run is no mark: it may be a copy that the user moved.
 fn ours(folder: &Path, scenario: &Scenario) -> Result<Vec<PathBuf>, OutputError> {
     let text = |name: &str| fs::read_to_string(folder.join(name)).unwrap_or_default();
     let marks = |(name, word): (&str, &str)| !is_same(&folder.join(name), &scenario.path) && text(name).contains(word);
+    let there = entries(folder)?;
     if !MARKS.into_iter().any(marks) {
-        return Ok(Vec::new());
+        // A run may have been killed before it had written a whole file.
+        return Ok(abandoned(&there).into_iter().filter(|file| is_file(file)).collect());
     }
     let mut names = listed_steps(&text("results.pvd"));
     // A killed run may have written a step that it had not listed yet.
@@ -206,7 +208,6 @@ fn ours(folder: &Path, scenario: &Scenario) -> Result<Vec<PathBuf>, OutputError>
     let probes = text("scenario.toml").parse::<toml::Table>().ok().and_then(|mut table| table.remove("probes"));
     names.extend(probes.iter().filter_map(toml::Value::as_table).flat_map(toml::Table::keys).map(|p| probe_file(p)));
     names.extend(FILES.map(str::to_owned));
-    let there = entries(folder)?;
     let named = names.into_iter().map(|name| folder.join(name)).filter(|file| there.contains(file));
     Ok(named.chain(abandoned(&there)).filter(|file| is_file(file)).collect())
 }

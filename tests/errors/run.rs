@@ -127,6 +127,8 @@ fn class_55_a_killed_run_leaves_whole_files_and_room_for_the_next() {
     let folder = folder(&[("beam.toml", BEAM)]);
     let out = folder.path().join("out");
     for wait in [0, 7, 31, 83] {
+        // That of the run before is no sign of this one.
+        std::fs::remove_file(out.join("step_001.vtu")).unwrap_or_default();
         let mut child = start(folder.path(), &[]);
         wait_for(&out.join("step_001.vtu"));
         std::thread::sleep(Duration::from_millis(wait));
@@ -140,6 +142,13 @@ fn class_55_a_killed_run_leaves_whole_files_and_room_for_the_next() {
     assert_eq!(code, Some(0), "{stderr}");
     let names = assert_whole(&out);
     assert!(!names.iter().any(|name| name.starts_with(".subsolid-") || name == "step_002.vtu"), "{names:?}");
+    // One that was killed in its first file left nothing that marks the folder.
+    std::fs::create_dir(folder.path().join("fresh")).unwrap();
+    std::fs::write(folder.path().join("fresh/.subsolid-abandoned"), "half of a fi").unwrap();
+    let (code, _, stderr) =
+        subsolid(folder.path(), &["run", "beam.toml", "--output", "fresh", "--set", "refine.steps=0"]);
+    assert_eq!(code, Some(0), "{stderr}");
+    assert!(!assert_whole(&folder.path().join("fresh")).iter().any(|name| name.starts_with(".subsolid-")));
 }
 
 #[cfg(unix)]
