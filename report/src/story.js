@@ -35,7 +35,8 @@ function outcome(run) {
     const unit = unitOf(scenario, units, name);
     const expected = report.expectations?.[name];
     const met = expected && `${expected.passed ? "as expected" : "not as expected"}: ${expected.between ? `between ${expected.between.map(plain).join(" and ")}` : `${plain(Number(expected.expected.toPrecision(6)))} ± ${plain(Number(expected.allowed.toPrecision(2)))}`}`;
-    const note = [what(scenario.quantities?.[name]), met].filter(Boolean).join("; ");
+    const corrected = q.computed !== undefined && q.computed !== q.value && `corrected by its estimated error, ${short(q.computed, 6)} without`;
+    const note = [what(scenario.quantities?.[name]), corrected, met].filter(Boolean).join("; ");
     const bar = q.error === undefined ? "" : ` ± ${short(q.error, 2)}`;
     return [name, withUnit(`${short(q.value, q.error === undefined ? 5 : 6)}${bar}`, unit), note];
   });
@@ -60,7 +61,7 @@ export function answers(data) {
   const sentences = asked(run);
   return h("div", { class: "answers" },
     section("asked", "What was run", sentences.slice(0, -1).map((p) => h("p", {}, p)),
-      h("details", {}, h("summary", {}, "How it was analysed"), h("p", {}, sentences.at(-1)), h("p", {}, ending(run)))),
+      h("details", {}, h("summary", {}, "How it was analysed"), h("p", {}, sentences.at(-1)), several ? data.runs.map((r) => h("p", {}, `${r.name}: ${ending(r)}`)) : h("p", {}, ending(run)))),
     several ? section("compared", "What the comparison shows", versus(data)) : null,
     section("outcome", `What came out${of}`, outcome(run), h("p", { class: "small" }, unitsLine(run))),
     section("trust", `How far to trust it${of}`, badge(verdict, headline),
@@ -152,12 +153,15 @@ function repeat({ runs }) {
   const [run] = runs;
   const quoted = (text) => (/^[\w./=:@%+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
   const verb = runs.length > 1 ? "compare" : "run";
-  const sets = run.overrides.map((o) => ` --set ${quoted(o)}`).join("");
+  // Runs of several elements override it themselves.
+  const elements = runs.length > 1 && runs.every(({ name }) => /^(hex|catmull)/.test(name)) ? ` --elements ${runs.map(({ name }) => name).join(",")}` : "";
+  const own = elements ? run.overrides.filter((o) => !o.startsWith("analysis.element")) : run.overrides;
+  const sets = own.map((o) => ` --set ${quoted(o)}`).join("");
   return [
     h("p", {}, `Made by ${run.report.program}.${runs.length > 1 ? "" : " The folder of this page holds scenario.toml, the scenario as it was run; so does this repeat it:"}`),
-    runs.length > 1 ? h("pre", {}, h("code", {}, `subsolid ${verb} ${quoted(run.report.scenario)}${sets}`)) : h("pre", {}, h("code", {}, `subsolid run scenario.toml --output again`)),
+    runs.length > 1 ? h("pre", {}, h("code", {}, `subsolid ${verb} ${quoted(run.report.scenario)}${elements}${sets}`)) : h("pre", {}, h("code", {}, `subsolid run scenario.toml --output again`)),
     runs.length > 1 ? h("p", {}, "Each run has its files in a folder of its name.") : h("p", {}, "It was started as ", h("code", {}, `subsolid run ${quoted(run.report.scenario)}${sets}`), ". The same input gives the same numbers on any number of threads."),
-    h("details", {}, h("summary", {}, "What is in this page"), h("p", {}, "Surfaces of all steps, inner cells up to 50,000 a step, in codes of 16 bits between the least and largest value of each kind; all else is in report.json and the .vtu files beside the page, which ParaView opens."),
+    h("details", {}, h("summary", {}, "What is in this page"), h("p", {}, "Surfaces of all steps, inner cells up to 50,000 a step, in codes of 16 bits between the least and largest value of each kind; all else is in report.json and the .vtu files of the run (unless output.vtk is false), which ParaView opens."),
       h("pre", { class: "licence" }, document.getElementById("licence").textContent)),
   ];
 }

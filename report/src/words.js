@@ -172,25 +172,50 @@ export function trust(run) {
   const stop = scenario.refine?.stop ?? {};
   const goal = Object.entries(last.quantities).find(([, q]) => q.error !== undefined);
   const reached = ["relative_error", "quantity"].includes(report.stop_reason);
+  // Where the solution is known, the true error judges.
+  const error = truth ?? relative;
+  const asked = stop.relative_error ? `: ${percent(stop.relative_error)} was asked for, ${percent(relative)} reached` : stop.quantity_error && goal ? `: ${missing(stop.quantity_error, goal)}` : "";
   const missed = (stop.relative_error || stop.quantity_error) && !reached && !["exact"].includes(report.stop_reason);
   const reasons = [];
   let verdict, headline;
   if (failed.length) [verdict, headline] = ["poor", `Not as expected: ${list(failed.map(([name]) => `“${name}”`))} misses the value that the scenario expects.`];
   else if (relative === null) [verdict, headline] = ["poor", "The error of this result is not known."];
-  else if (missed) [verdict, headline] = ["poor", "The accuracy that was asked for was not reached."];
+  else if (last.strain_energy === 0) [verdict, headline] = ["poor", "Nothing moves: no load acts, and no support moves the body."];
+  else if (report.stop_reason === "interrupted") [verdict, headline] = ["poor", `Not finished: the run was interrupted after step ${last.step} of ${scenario.refine?.steps ?? last.step}.`];
+  else if (missed) [verdict, headline] = ["poor", `The accuracy that was asked for was not reached${asked}.`];
   else if (reached) [verdict, headline] = ["good", "The accuracy that was asked for was reached."];
-  else if (relative > 0.2) [verdict, headline] = ["poor", "Rough: the mesh is too coarse for more than a first idea."];
-  else if (relative > 0.05) [verdict, headline] = ["fair", "Usable for deformations; stresses with care."];
-  else [verdict, headline] = ["good", "Good: the estimated error is small."];
+  else if (error > 0.2) [verdict, headline] = ["poor", "Rough: the mesh is too coarse for more than a first idea."];
+  else if (error > 0.05) [verdict, headline] = ["fair", "Usable for deformations; stresses with care."];
+  else if (unsettled(run)) [verdict, headline] = ["fair", "With care: the error is small, but the last refinement does not confirm it."];
+  else [verdict, headline] = ["good", `Good: the ${truth === null || truth === undefined ? "estimated" : "true"} error is small.`];
   if (report.warnings.length && verdict === "good") verdict = "fair";
   if (report.warnings.length) reasons.push(`${plural(report.warnings.length, "warning")} below should be read first.`);
   reasons.push(`Estimated error ${percent(relative)} of the solution, in the energy norm, which weighs strains and stresses over the whole body.`);
   if (truth !== null && truth !== undefined) reasons.push(`The exact solution is known here: the true error is ${percent(truth)}; the estimate is ${short(last.error.effectivity, 3)} times that.`);
+  const before = report.steps.at(-2)?.error.true_relative;
+  if (truth > before) reasons.push(`The true error grew from ${percent(before)} with the last step: the body that is refined may not be that of the known solution.`);
+  if (failed.length && missed) reasons.push(`The accuracy that was asked for was not reached either${asked}.`);
+  if (report.stop_reason === "interrupted") reasons.push("The same command with --resume goes on with it.");
   if (goal) reasons.push(`“${goal[0]}” has an error bar of its own: ${short(goal[1].value, 6)} ± ${short(goal[1].error, 2)}.`);
   reasons.push(convergence(run));
   const passed = Object.keys(report.expectations ?? {}).length - failed.length;
   if (passed > 0) reasons.push(`${plural(passed, "expected value")} of the scenario ${passed === 1 ? "is" : "are"} met.`);
   return { verdict, headline, reasons: reasons.filter(Boolean) };
+}
+
+/** What was asked of a quantity and what was reached, in words. */
+function missing(wanted, [name, q]) {
+  const share = typeof wanted === "number" ? wanted : wanted.relative;
+  if (share === undefined) return `an error bar of ${short(wanted.absolute, 3)} of “${name}” was asked for, ${short(q.error, 3)} reached`;
+  return `${percent(share)} of “${name}” was asked for, ${percent(q.error / Math.abs(q.value))} reached`;
+}
+
+/** Whether the last step changed much, or its error did not fall. */
+function unsettled({ report }) {
+  const [before, last] = report.steps.slice(-2);
+  if (!last) return false;
+  const truth = (step) => step.error.true_relative ?? step.error.relative;
+  return Math.abs(last.strain_energy / before.strain_energy - 1) > 0.05 || truth(last) >= truth(before);
 }
 
 function convergence({ scenario, report }) {
